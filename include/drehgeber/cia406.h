@@ -140,6 +140,27 @@ DG_API extern const struct dg_instrument dg_cia406_instrument;
 /** What goes over its wire in words, see words.h; an object file of its own. */
 DG_API extern const struct dg_words dg_cia406_words;
 
+/* ---------------------------------------------------------------- from an EDS file */
+
+/** An encoder from an EDS file: what is read into the memory of the host lasts as long as this. */
+struct dg_cia406_file {
+    struct dg_co_file file; /**< first: what computes finds the figures by the node's device */
+    uint32_t steps;         /**< a turn, 6501h */
+    uint32_t turns;         /**< 6502h; steps * turns is at most 2^32 */
+    struct dg_cia406_model model;
+    struct dg_device device; /**< a model as all others */
+    char name[33];           /**< its name: ProductName in letters that names have */
+    char resolution[33];
+};
+
+/**
+ * Read the EDS or DCF file of an encoder. One with the identity of a built-in encoder behaves as
+ * that, with its manufacturer's objects; any other one as the encoder profile has it.
+ * @return as dg_co_read()
+ */
+DG_API int dg_cia406_read(struct dg_cia406_file *self, const struct dg_eds_setup *setup,
+                          struct dg_eds_note *error);
+
 /** What can be set of an encoder before it is made. */
 struct dg_cia406_settings {
     struct dg_cia406_model model;

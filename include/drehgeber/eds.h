@@ -8,6 +8,7 @@
 #ifndef DREHGEBER_EDS_H
 #define DREHGEBER_EDS_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -49,6 +50,85 @@ struct dg_co_sheet {
  */
 DG_API void dg_co_eds(const struct dg_co_sheet *sheet,
                       void (*write)(void *ctx, const char *text, size_t n), void *ctx);
+
+/* ---------------------------------------------------------------- reading */
+
+/** Longest text of a file, its objects, and its sub-indices with those of compact arrays. */
+#define DG_EDS_BYTES_MAX 1048576u
+#define DG_EDS_OBJECTS_MAX 4000u
+#define DG_EDS_ROWS_MAX 16384u
+
+/** What is noted of a file, or wrong with it. Section, key and value are cut off where they are
+ * longer. */
+struct dg_eds_note {
+    unsigned line;    /**< 0: none in particular */
+    char section[32]; /**< "": none in particular; likewise the next two */
+    char key[32];
+    char value[48];
+    const char *what;  /**< what is done with it, or wrong */
+    const char *right; /**< what is expected; NULL: nothing else */
+};
+
+/** A file to be read. */
+struct dg_eds_setup {
+    size_t size;      /**< sizeof(struct dg_eds_setup) */
+    const char *text; /**< of an EDS or DCF file (CiA 306), any bytes */
+    size_t n;
+    void *memory; /**< for what is made of it, as long as that is used; aligned for any type */
+    size_t memory_size;
+    /** What is tolerated, is a value only, or is left out. NULL: nobody wants to know. */
+    void (*note)(void *ctx, const struct dg_eds_note *note);
+    void *ctx;
+};
+
+/** A value that only stores: what a file has beyond the objects of the device it is put on. */
+struct dg_co_cell {
+    uint32_t key;     /**< DG_CO_KEY() */
+    uint32_t initial; /**< default; signed ones sign-extended, likewise the limits */
+    struct dg_co_limits limits;
+    bool follows; /**< the node-ID is added to the default */
+};
+
+/**
+ * A device from a file. Its dictionary is whole; objects that `base` has, too, behave as there, and
+ * its values that the file lacks are kept beside it. Cells lie behind the application's state.
+ */
+struct dg_co_file {
+    struct dg_co_device device; /**< first: a hook finds the file by the device */
+    const struct dg_co_device *base;
+    struct dg_store_layout layout;
+    const struct dg_co_cell *cells; /**< sorted by their keys */
+    uint16_t cell_count;
+    uint16_t kept;      /**< so many of them are kept by 1010h */
+    uint16_t objects;   /**< indices of the dictionary */
+    uint16_t bound;     /**< sub-indices that behave */
+    uint16_t plain;     /**< ... and values */
+    uint8_t node_id;    /**< as the file says; 0: it does not */
+    uint32_t serial;    /**< 1018h:4 of the file; 0: it does not say */
+    size_t cells_at;    /**< bytes from dg_co_setup.application to the cells' values */
+    const char *vendor; /**< "": the file does not say */
+};
+
+/** What a file is put on. */
+struct dg_co_ground {
+    /** The device whose objects, causes, store regions and functions it has; `vendor_id` and
+     * `product_code` are those of the file. Its default bus parameters are those of the file. */
+    const struct dg_co_device *(*choose)(uint32_t device_type, uint32_t vendor_id,
+                                         uint32_t product_code);
+    uint16_t profile; /**< low 16 bits of 1000h for which its objects from 6000h on count */
+    size_t cells_at;  /**< bytes of the application's state */
+};
+
+/**
+ * Read an EDS or DCF file.
+ * @return 0; DG_ERR_SPACE: more memory is needed; DG_ERR_ARGUMENT with `error`, or not a setup of
+ * this version
+ */
+DG_API int dg_co_read(struct dg_co_file *self, const struct dg_eds_setup *setup,
+                      const struct dg_co_ground *ground, struct dg_eds_note *error);
+
+/** The values of the cells of a node with such a device: as many as its file has cells. */
+DG_API uint32_t *dg_co_cells(const struct dg_co_node *node);
 
 #ifdef __cplusplus
 }

@@ -26,7 +26,7 @@ const struct dg_keys dg_cia406_keys = {rows, DG_COUNT(rows)};
 
 uint32_t dg_cia406_without(const struct dg_cia406_model *model)
 {
-    return model->turns == 1 ? 1u << ROW_MT_BITS : 0;
+    return model->turns == 1 || model->device->whole ? 1u << ROW_MT_BITS : 0;
 }
 
 void dg_cia406_settings_init(struct dg_cia406_settings *self, const struct dg_cia406_model *model)
@@ -37,10 +37,18 @@ void dg_cia406_settings_init(struct dg_cia406_settings *self, const struct dg_ci
         .node = DG_CIA406_NODE_DEFAULT,
         .wide = model->turns == TURNS_WIDE,
     };
+    if (model->device->whole) {
+        const struct dg_co_file *file = (const struct dg_co_file *)(const void *)model->device;
+        self->serial = file->serial != 0 ? file->serial : self->serial;
+        self->node = file->node_id != 0 ? file->node_id : self->node;
+    }
 }
 
 void dg_cia406_settings_apply(struct dg_cia406_settings *self)
 {
+    if (self->model.device != NULL && self->model.device->whole) {
+        return;
+    }
     if (self->model.turns == 1) {
         self->model.device = &dg_cia406_singleturn;
         return;

@@ -21,4 +21,9 @@ bool canopen_stored(struct ram_nvm *nvm, const struct dg_store_layout *layout, c
 /** eds SECTION KEY VALUE|none: a line of the model's EDS file */
 bool canopen_eds(const struct dg_device *device, char **words, size_t n, struct cf_report *report);
 
+/** With DREHGEBER_FROM_EDS in the environment a device that was made of the EDS file of `device`,
+ * until the next call; NULL: its file cannot be read. Otherwise `device`, as for the one with 65536
+ * turns, of which 6502h does not say how many there are. */
+const struct dg_co_device *canopen_from_eds(const struct dg_co_device *device);
+
 #endif

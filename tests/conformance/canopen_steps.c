@@ -434,6 +434,7 @@ static bool step_given(void *ctx, char **words, size_t n, struct cf_report *repo
             return cf_fail(report, "given: no such figure: %s", words[i]);
         }
     }
+    b->model.device = canopen_from_eds(b->model.device); /* if that is wanted */
     ram_nvm_init(&b->nvm, dg_store_size(b->model.device->layout));
     if (dg_co_format(b->model.device, ram_nvm_port(&b->nvm), serial) != 0) {
         return cf_fail(report, "given: the memory cannot be formatted");

@@ -1,0 +1,140 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Values of a file that only store: in memory behind the application's, in regions of the EEPROM
+ * behind the base's.
+ */
+#include <string.h>
+
+#include "co_file.h"
+#include "co_storage.h"
+
+#define SAVE 0x65766173u
+
+/* A device with cells is the first member of its file. */
+static const struct dg_co_file *file_of(const struct dg_co_node *node)
+{
+    return (const struct dg_co_file *)(const void *)node->setup.device;
+}
+
+uint32_t *dg_co_cells(const struct dg_co_node *node)
+{
+    uint8_t *application = node->setup.application;
+
+    return (uint32_t *)(void *)(application + file_of(node)->cells_at);
+}
+
+static bool is_inside(const struct dg_co_cell *cell, const struct dg_co_object *object,
+                      uint32_t value)
+{
+    const struct dg_co_limits *range = &cell->limits;
+
+    if (co_type(object) <= DG_CO_I32) {
+        return (int32_t)value >= (int32_t)range->min && (int32_t)value <= (int32_t)range->max;
+    }
+    return value >= range->min && value <= range->max;
+}
+
+/* The default of its row is the number of its cell. */
+enum dg_co_abort dg_co_hook_cell(struct dg_co_node *node, const struct dg_co_object *object,
+                                 enum dg_co_op op, uint32_t *value)
+{
+    const uint32_t number = object->row->initial;
+
+    if (op == DG_CO_READ) {
+        *value = dg_co_cells(node)[number];
+        return DG_CO_OK;
+    }
+    if (!is_inside(&file_of(node)->cells[number], object, *value)) {
+        return DG_CO_RANGE;
+    }
+    dg_co_cells(node)[number] = *value;
+    return DG_CO_OK;
+}
+
+enum dg_co_abort dg_co_hook_follows(struct dg_co_node *node, const struct dg_co_object *object,
+                                    enum dg_co_op op, uint32_t *value)
+{
+    (void)op;
+    *value = object->row->initial + node->id;
+    return DG_CO_OK;
+}
+
+/* Cells of region `n` behind the base's. */
+static uint16_t cells_in(const struct dg_co_file *file, uint8_t n)
+{
+    const uint32_t left = file->kept - n * EDS_CELLS_A_REGION;
+
+    return (uint16_t)(left < EDS_CELLS_A_REGION ? left : EDS_CELLS_A_REGION);
+}
+
+static void store_cells(struct dg_co_node *node)
+{
+    const struct dg_co_file *file = file_of(node);
+    const uint8_t first = file->base->layout->region_count;
+    const uint32_t *value = dg_co_cells(node);
+    uint8_t bytes[DG_STORE_CHECKED_MAX];
+
+    for (uint8_t n = 0; n < file->layout.region_count - first; n++) {
+        const uint16_t count = cells_in(file, n);
+        for (uint16_t i = 0; i < count; i++) {
+            dg_store_le32(&bytes[4u * i], *value++);
+        }
+        /* What is not written now is not acknowledged either: the stack's own part follows. */
+        (void)dg_store_put(&node->store, (uint8_t)(first + n), 0, bytes, (uint16_t)(4u * count));
+    }
+}
+
+/* "save": the cells first, so that they are there when the rest says that something was saved. */
+enum dg_co_abort dg_co_hook_keep(struct dg_co_node *node, const struct dg_co_object *object,
+                                 enum dg_co_op op, uint32_t *value)
+{
+    if (op == DG_CO_WRITE && *value == SAVE && node->mounted &&
+        node->setup.world->eeprom_acknowledges) {
+        store_cells(node);
+    }
+    return dg_co_hook_store(node, object, op, value);
+}
+
+static bool is_saved(struct dg_co_node *node)
+{
+    uint8_t saved = 0;
+
+    return node->mounted && node->setup.world->eeprom_acknowledges &&
+           !dg_store_damaged(&node->store, DG_CO_REGION_SAVED) &&
+           dg_store_read(&node->store, DG_CO_REGION_SAVED, 0, &saved, 1) == DG_OK && saved == 1;
+}
+
+/* What is damaged stays as delivered, and is reported with the rest of the memory. */
+static void load_cells(struct dg_co_node *node)
+{
+    const struct dg_co_file *file = file_of(node);
+    const uint8_t first = file->base->layout->region_count;
+    uint8_t bytes[DG_STORE_CHECKED_MAX];
+
+    for (uint8_t n = 0; n < file->layout.region_count - first; n++) {
+        const uint8_t region = (uint8_t)(first + n);
+        const uint16_t count = cells_in(file, n);
+        uint32_t *value = dg_co_cells(node) + n * EDS_CELLS_A_REGION;
+        if (dg_store_damaged(&node->store, region) ||
+            dg_store_read(&node->store, region, 0, bytes, (uint16_t)(4u * count)) != DG_OK) {
+            continue;
+        }
+        for (uint16_t i = 0; i < count; i++) {
+            value[i] = dg_load_le32(&bytes[4u * i]);
+        }
+    }
+}
+
+bool dg_co_reset_file(struct dg_co_node *node, bool application)
+{
+    const struct dg_co_file *file = file_of(node);
+
+    for (uint16_t i = 0; application && i < file->cell_count; i++) {
+        const struct dg_co_cell *cell = &file->cells[i];
+        dg_co_cells(node)[i] = cell->initial + (cell->follows ? node->id : 0u);
+    }
+    if (application && is_saved(node)) {
+        load_cells(node);
+    }
+    return file->base->reset != NULL && file->base->reset(node, application);
+}

@@ -1,0 +1,346 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * A device from the entries of an EDS file: identity, dictionary, memory.
+ *
+ *   memory   | hidden rows | rows | cells | limits | hooks | strings | ... | free | entries |
+ */
+#include <string.h>
+
+#include "co_file.h"
+#include "drehgeber/crc.h"
+#include "drehgeber/text.h"
+
+/* Longest key of an object. */
+#define KEY_MAX 16u
+#define LAYOUT_SEED 0x45445331u
+
+static const struct eds_place nowhere;
+
+/* ------------------------------------------------------------ entries */
+
+static const struct eds_entry *find_entry(const struct eds_reader *in, uint32_t key)
+{
+    size_t first = 0;
+    size_t last = in->count;
+
+    while (first < last) {
+        const size_t middle = first + (last - first) / 2u;
+        if (in->entries[middle].key < key) {
+            first = middle + 1u;
+        } else {
+            last = middle;
+        }
+    }
+    return first < in->count && in->entries[first].key == key ? &in->entries[first] : NULL;
+}
+
+/* The default of an object as a number; 0 without one. */
+static uint32_t default_of(const struct eds_reader *in, uint32_t key)
+{
+    const struct eds_entry *entry = find_entry(in, key);
+
+    return entry != NULL ? dg_co_take_number(entry->initial).value : 0;
+}
+
+/* Of entries with one key the first stays, with the default that a [xxxxValue] gives it. An array
+ * or record is none of its own, nor is a value of nothing. */
+static bool is_row(struct eds_entry *entry, size_t same)
+{
+    if (same > 1 && entry[same - 1u].rank == EDS_VALUE && !entry->configured) {
+        entry->initial = entry[same - 1u].initial;
+    }
+    if (entry->rank != EDS_OBJECT) {
+        return entry->rank != EDS_VALUE;
+    }
+    return entry->object == 0 ? entry->type != 0 : entry->object == DG_CO_VAR || entry->object == 2;
+}
+
+static void merge_entries(struct eds_reader *in)
+{
+    size_t kept = 0;
+    size_t same = 1;
+
+    for (size_t i = 0; i < in->count; i += same) {
+        struct eds_entry *entry = &in->entries[i];
+        for (same = 1; i + same < in->count && entry[same].key == entry->key; same++) {
+        }
+        if (same > 1 && entry[1].rank == entry->rank && entry->rank != EDS_VALUE) {
+            dg_co_note_entry(in, entry, "", "stands there twice: the first one counts", NULL);
+        }
+        if (is_row(entry, same)) {
+            in->entries[kept++] = *entry;
+        }
+    }
+    in->count = kept;
+}
+
+void dg_co_note_entry(struct eds_reader *self, const struct eds_entry *entry, const char *key,
+                      const char *what, const char *right)
+{
+    static const char digits[] = "0123456789ABCDEF";
+    const uint32_t sub = entry->key >> 8 & 0xFFu;
+    char name[9];
+    size_t n = 4;
+    const size_t length = dg_text_length(key, KEY_MAX);
+
+    for (uint8_t i = 0; i < 4; i++) {
+        name[i] = digits[entry->key >> (28u - 4u * i) & 0xFu];
+    }
+    if (entry->rank != EDS_OBJECT) {
+        memcpy(&name[n], "sub", 3);
+        n += 3;
+        name[n++] = digits[sub >> 4];
+        name[n++] = digits[sub & 0xFu];
+        name[7] = sub < 0x10u ? name[8] : name[7];
+        n -= sub < 0x10u ? 1u : 0u;
+    }
+    const struct eds_place place = {
+        .line = entry->line, .section = {name, n}, .key = {key, length}};
+    dg_co_note_place(self, &place, what, right);
+}
+
+/* ------------------------------------------------------------ the device */
+
+#define BUS_DEFAULT(n)                                                                             \
+    static void bus_default_##n(const void *ctx, uint8_t *out)                                     \
+    {                                                                                              \
+        static const uint8_t bus[3] = {n, DG_CO_UNCONFIGURED, 0};                                  \
+        (void)ctx;                                                                                 \
+        memcpy(out, bus, sizeof bus);                                                              \
+    }
+BUS_DEFAULT(0)
+BUS_DEFAULT(1)
+BUS_DEFAULT(2)
+BUS_DEFAULT(3)
+BUS_DEFAULT(4)
+BUS_DEFAULT(5)
+BUS_DEFAULT(6)
+BUS_DEFAULT(7)
+BUS_DEFAULT(8)
+
+/* The base's, else those that the file has, all without any. */
+static void make_rates(struct eds_maker *self)
+{
+    const struct eds_info *info = &self->in.info;
+
+    if (self->to->base->kbaud != NULL) {
+        return;
+    }
+    uint16_t *kbaud = dg_co_keep_bytes(&self->in, EDS_RATES * sizeof *kbaud);
+
+    for (uint8_t i = 0; i < EDS_RATES && kbaud != NULL; i++) {
+        const bool there = info->rates == 0 || (info->rates >> i & 1u) != 0;
+        kbaud[i] = there || dg_co_eds_kbaud[i] == info->kbaud ? dg_co_eds_kbaud[i] : 0;
+    }
+    self->to->device.kbaud = kbaud;
+    self->to->device.kbaud_count = EDS_RATES;
+}
+
+/* The number of the bit rate as delivered: of a DCF, else the base's, else the lowest one. */
+static uint8_t delivered_rate(const struct eds_maker *self, uint8_t base)
+{
+    const uint16_t *kbaud = self->to->device.kbaud;
+    const uint16_t wanted = self->in.info.kbaud;
+    uint8_t lowest = 0;
+
+    for (uint8_t i = self->to->device.kbaud_count; i-- > 0;) {
+        if (i >= EDS_RATES) {
+            continue; /* no default of it here */
+        }
+        if (wanted != 0 && kbaud[i] == wanted) {
+            return i;
+        }
+        lowest = kbaud[i] != 0 ? i : lowest;
+    }
+    return kbaud[base] != 0 ? base : lowest;
+}
+
+/* What a memory of this file looks like: an image of another one is foreign. */
+static uint32_t layout_id(const struct eds_maker *self)
+{
+    const struct dg_co_device *device = &self->to->device;
+    const uint32_t identity[] = {device->vendor_id, device->product_code, device->revision};
+    uint32_t id = dg_crc32(LAYOUT_SEED, (const uint8_t *)identity, sizeof identity);
+
+    for (uint16_t i = 0; i < self->to->kept; i++) {
+        uint8_t key[4];
+        dg_store_le32(key, self->cells[i].key);
+        id = dg_crc32(id, key, sizeof key);
+    }
+    return id;
+}
+
+static const char *cells_name(struct eds_reader *in, uint32_t n)
+{
+    const char text[] = {'v', 'a', 'l', 'u', 'e', 's', (char)('a' + n)};
+
+    return dg_co_keep_text(in, (struct eds_span){text, sizeof text}, sizeof text);
+}
+
+/* Bus parameters as delivered: the base's, unless the file has another bit rate. */
+static void choose_bus(struct eds_maker *self, struct dg_store_region *region)
+{
+    static void (*const bus_defaults[EDS_RATES])(const void *ctx, uint8_t *out) = {
+        bus_default_0, bus_default_1, bus_default_2, bus_default_3, bus_default_4,
+        bus_default_5, bus_default_6, bus_default_7, bus_default_8,
+    };
+    const uint32_t serial = 0;
+    uint8_t bus[3];
+
+    region->defaults(&serial, bus);
+    const uint8_t rate = delivered_rate(self, bus[0] < EDS_RATES ? bus[0] : 0);
+    region->defaults = rate != bus[0] ? bus_defaults[rate] : region->defaults;
+}
+
+/* The base's regions, and as many as the cells take. */
+static void make_layout(struct eds_maker *self)
+{
+    const struct dg_store_layout *base = self->to->base->layout;
+    struct dg_co_file *to = self->to;
+    const uint32_t room = (DG_STORE_REGIONS_MAX - base->region_count) * EDS_CELLS_A_REGION;
+    struct dg_store_region *regions =
+        dg_co_keep_bytes(&self->in, DG_STORE_REGIONS_MAX * sizeof *regions);
+
+    to->kept = to->cell_count < room ? to->cell_count : (uint16_t)room;
+    if (self->in.out) {
+        return;
+    }
+    memcpy(regions, base->regions, base->region_count * sizeof *regions);
+    choose_bus(self, &regions[DG_CO_REGION_BUS]);
+    uint8_t count = base->region_count;
+    for (uint32_t at = 0; at < to->kept; at += EDS_CELLS_A_REGION) {
+        const uint32_t left = to->kept - at;
+        regions[count++] = (struct dg_store_region){
+            .name = cells_name(&self->in, at / EDS_CELLS_A_REGION),
+            .size = (uint16_t)(4u * (left < EDS_CELLS_A_REGION ? left : EDS_CELLS_A_REGION)),
+            .check = DG_STORE_CHECKED,
+        };
+    }
+    to->layout = *base;
+    to->layout.id = layout_id(self);
+    to->layout.regions = regions;
+    to->layout.region_count = count;
+    to->device.layout = &to->layout;
+}
+
+static uint32_t identity_of(const struct eds_maker *self, uint8_t sub, uint32_t otherwise)
+{
+    const uint32_t value = default_of(&self->in, DG_CO_KEY(0x1018, sub));
+
+    return value != 0 ? value : otherwise;
+}
+
+/* Identity and functions, before there are rows. */
+static void begin_device(struct eds_maker *self)
+{
+    const struct eds_info *info = &self->in.info;
+    const uint32_t type = default_of(&self->in, DG_CO_KEY(0x1000, 0));
+    const uint32_t vendor = identity_of(self, 1, info->vendor_id);
+    const uint32_t product = identity_of(self, 2, info->product_code);
+    const struct dg_co_device *base = self->ground->choose(type, vendor, product);
+
+    *self->to = (struct dg_co_file){
+        .device = *base,
+        .base = base,
+        .node_id = info->node_id,
+        .serial = default_of(&self->in, DG_CO_KEY(0x1018, 4)),
+        .cells_at = self->ground->cells_at,
+    };
+    struct dg_co_device *device = &self->to->device;
+    device->figures = NULL;
+    device->figure_count = 0;
+    device->whole = true;
+    device->device_type = type;
+    device->vendor_id = vendor;
+    device->product_code = product;
+    device->revision = identity_of(self, 3, info->revision);
+    device->reset = dg_co_reset_file;
+    device->name = dg_co_keep_text(&self->in, info->product, DG_CO_STRING_MAX);
+    self->to->vendor = dg_co_keep_text(&self->in, info->vendor, DG_CO_STRING_MAX);
+}
+
+/* Room for tables, as large as they can become. */
+static bool make_room(struct eds_maker *self)
+{
+    struct dg_co_device *device = &self->to->device;
+    const size_t count = self->in.count;
+
+    device->hidden = dg_co_hide_rows(self->to->base, NULL);
+    struct dg_co_row *rows = dg_co_keep_bytes(&self->in, (device->hidden + count) * sizeof *rows);
+    self->cells = dg_co_keep_bytes(&self->in, count * sizeof *self->cells);
+    self->limits = dg_co_keep_bytes(&self->in, EDS_LIMITS_MAX * sizeof *self->limits);
+    self->hooks = dg_co_keep_bytes(&self->in, EDS_HOOKS_MAX * sizeof *self->hooks);
+    self->strings = dg_co_keep_bytes(&self->in, count * sizeof *self->strings);
+    if (self->in.out) {
+        return false;
+    }
+    (void)dg_co_hide_rows(self->to->base, rows);
+    self->rows = rows + device->hidden;
+    self->limit_count = 1;
+    self->hook_count = 1;
+    return true;
+}
+
+static void note_whole(struct eds_maker *self)
+{
+    struct eds_reader *in = &self->in;
+    const struct dg_co_file *to = self->to;
+
+    if (in->info.listed != 0 && in->info.listed != in->objects) {
+        dg_co_note_place(in, &nowhere,
+                         "lists name other objects than there are sections: sections count", NULL);
+    }
+    if ((to->device.device_type & 0xFFFFu) != self->ground->profile) {
+        const struct eds_place type = {.section = {"1000", 4}};
+        dg_co_note_place(in, &type, "another profile: its objects are values only", NULL);
+    }
+    if (to->kept < to->cell_count) {
+        dg_co_note_place(in, &nowhere,
+                         "more values than 1010h can keep: those behind are lost at power-off",
+                         NULL);
+    }
+}
+
+static int make_device(struct eds_maker *self)
+{
+    struct dg_co_device *device = &self->to->device;
+
+    merge_entries(&self->in);
+    begin_device(self);
+    if (!make_room(self)) {
+        return DG_ERR_SPACE;
+    }
+    dg_co_make_rows(self);
+    if (device->dictionary.count == 0) {
+        return dg_co_refuse_text(&self->in, "no object that can be read", "an EDS or DCF file");
+    }
+    device->dictionary.limits = self->limits;
+    device->dictionary.hooks = self->hooks;
+    device->strings = self->strings;
+    self->to->cells = self->cells;
+    make_rates(self);
+    make_layout(self);
+    note_whole(self);
+    return self->in.out ? DG_ERR_SPACE : DG_OK;
+}
+
+int dg_co_read(struct dg_co_file *self, const struct dg_eds_setup *setup,
+               const struct dg_co_ground *ground, struct dg_eds_note *error)
+{
+    uint8_t *memory = setup->memory;
+    struct eds_maker maker = {
+        .in = {.setup = setup,
+               .error = error,
+               .front = memory,
+               .back = memory + setup->memory_size / sizeof(uint64_t) * sizeof(uint64_t)},
+        .ground = ground,
+        .to = self,
+    };
+
+    *self = (struct dg_co_file){.base = NULL};
+    if (setup->size != sizeof *setup || memory == NULL) {
+        return dg_co_refuse_text(&maker.in, "not a setup of this version", NULL);
+    }
+    const int result = dg_co_scan_text(&maker.in);
+    return result != DG_OK ? result : make_device(&maker);
+}

@@ -1,0 +1,15 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * @file
+ * An encoder of the profile with any number of steps and turns, for EDS files (any.c, any_file.c).
+ */
+#ifndef DREHGEBER_CIA406_ANY_H
+#define DREHGEBER_CIA406_ANY_H
+
+#include "cia406_private.h"
+
+/** What files are put on that are none of a built-in encoder: the objects of the profile that are
+ * here, and nothing of a manufacturer. Its node's device is a struct dg_cia406_file. */
+extern const struct dg_co_device dg_cia406_any;
+
+#endif
