@@ -51,8 +51,8 @@ static void hear_encoder(void *ctx, const struct dg_host_event *event)
     from->bus->medium->hear(from, event);
 }
 
-/* Who draws by chance draws otherwise than the others on the wire: unless somebody else has begun it,
- * chance begins with the place. */
+/* Who draws by chance draws otherwise than the others on the wire: unless somebody else has begun
+ * it, chance begins with the place. */
 static struct dg_encoder *begin_chance(struct dg_encoder *control, size_t place)
 {
     if (control != NULL && control->faults.random == 0) {

@@ -4,7 +4,7 @@
 
 _drehgeber_commands()
 {
-    echo "list faults run eds biss ssi map fmu ctl top web help"
+    echo "list faults run check eds biss ssi map fmu ctl top web help"
 }
 
 _drehgeber_models()
@@ -50,6 +50,7 @@ _drehgeber_options()
         list) echo " --json --help" ;;
         faults) echo " --json --help" ;;
         run) echo " --pty= --tty= --rs485= --sim --gpio= --can= --slcan= --socketcand= --silkit= --modbus= --ring= --nvm= --serial= --node= --shaft= --set= --control= --files= --trace= --time= --verbose --quiet --help --version" ;;
+        check) echo " --help" ;;
         eds) echo " --help" ;;
         biss) echo " --nvm= --serial= --shaft= --set= --trace= --help" ;;
         ssi) echo " --shaft= --set= --trace= --help" ;;

@@ -37,6 +37,20 @@ const struct command_row command_rows[] = {
         .help = "be all encoders of a rig file",
     },
     {
+        .name = "run",
+        .command = COMMAND_RUN,
+        .wires = true,
+        .usage = "run FILE.eds [WIRE] [OPTIONS]",
+        .help = "be the CANopen encoder of an EDS or DCF file",
+    },
+    {
+        .name = "check",
+        .command = COMMAND_CHECK,
+        .usage = "check FILE.eds",
+        .help = "what is simulated of an EDS or DCF file, what is a value only, what is left out",
+        .takes = "",
+    },
+    {
         .name = "eds",
         .command = COMMAND_EDS,
         .usage = "eds MODEL",

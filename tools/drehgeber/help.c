@@ -39,7 +39,12 @@ static const struct {
             "\n"
             "  drehgeber run s3684-rs485 --pty=enc --shaft 60RPM --nvm enc.nvm\n"
             "  drehgeber run f3668 --can vcan0 --node 1..127 --shaft 60RPM\n"
+            "  drehgeber run vendor.eds --slcan --shaft 60RPM\n"
             "  drehgeber run bench.ini\n"},
+    {"check", "A line for each object that only stores, is left out or is taken otherwise than it\n"
+              "stands there, with its line in the file; the last line is the sum.\n"
+              "\n"
+              "  drehgeber check vendor.eds\n"},
     {"eds", "An electronic data sheet as CiA 306 has it, made of the object dictionary.\n"
             "\n"
             "  drehgeber eds f3668 > f3668.eds\n"},

@@ -8,6 +8,7 @@
 #include "can_bus.h"
 #include "ctl.h"
 #include "drehgeber/drehgeber.h"
+#include "eds_file.h"
 #include "fmu_file.h"
 #include "help.h"
 #include "list.h"
@@ -48,6 +49,15 @@ static int eds(const struct options *options)
     }
     dg_co_eds(sheet, write_text, stdout);
     return flushed();
+}
+
+static int check(const struct options *options)
+{
+    if (!eds_file_is(options->model)) {
+        lx_complain("check needs an EDS or DCF file; right is 'drehgeber check FILE.eds'");
+        return EXIT_USAGE;
+    }
+    return printed(eds_file_check(options->model));
 }
 
 /* Whether the wire that was asked for, if any, is one of this model. */
@@ -134,6 +144,8 @@ static int act(const struct options *options)
         return flushed();
     case COMMAND_EDS:
         return eds(options);
+    case COMMAND_CHECK:
+        return check(options);
     case COMMAND_RUN:
         return run_rig(options);
     case COMMAND_ASK:

@@ -9,6 +9,7 @@
 
 #include "can.h"
 #include "drehgeber/drehgeber.h"
+#include "eds_file.h"
 
 enum key {
     KEY_HELP = 'h',
@@ -326,7 +327,8 @@ static const struct command_row *command_near(const char *text)
 /* What run takes. */
 static bool is_runnable(const char *word)
 {
-    return word != NULL && (dg_device_find(word) != NULL || strstr(word, ".ini") != NULL);
+    return word != NULL &&
+           (dg_device_find(word) != NULL || strstr(word, ".ini") != NULL || eds_file_is(word));
 }
 
 /* `next`: the word behind it; NULL: none. */
@@ -567,8 +569,8 @@ static int explain_culprit(struct options *self)
 static const struct argp_option *not_taken(const struct options *self)
 {
     const bool strict = self->command == COMMAND_LIST || self->command == COMMAND_FAULTS ||
-                        self->command == COMMAND_EDS || self->command == COMMAND_FMU ||
-                        self->command == COMMAND_WEB;
+                        self->command == COMMAND_EDS || self->command == COMMAND_CHECK ||
+                        self->command == COMMAND_FMU || self->command == COMMAND_WEB;
     for (const struct argp_option *row = self->table; !options_end(row); row++) {
         const bool given = (self->given >> (row - self->table) & 1u) != 0;
         if (given && (strict || of_few(row)) && !takes(self->row, row)) {
@@ -613,50 +615,12 @@ static enum command find_help(struct options *self, int argc, char **argv)
     return found;
 }
 
-/* A file that is wrong may be the one that has the model: it ends the search. */
-static bool has_model(void *ctx, const struct dg_plan *plan, const struct lx_error *error)
-{
-    struct options *self = ctx;
-    if (error != NULL) {
-        self->unread = *error;
-        return true;
-    }
-    self->device = dg_plan_find_model(plan, self->model);
-    return self->device != NULL;
-}
-
-/* A file of nothing but models stands for the last one of them; one with encoders is a rig. */
-static void read_model(struct options *self)
-{
-    self->file = models_read(self->model, &self->unread);
-    const struct dg_plan *plan = self->file == NULL ? NULL : &self->file->plan;
-    if (plan != NULL && plan->memory != NULL && plan->encoder_count == 0) {
-        self->device = plan->models[plan->model_count - 1u].device;
-    }
-}
-
-/* What MODEL names, for commands that take one. */
-static void find_model(struct options *self)
-{
-    const bool asked = self->row != NULL && self->command != COMMAND_CTL &&
-                       self->command != COMMAND_TOP && self->command != COMMAND_WEB;
-    if (self->model == NULL || !asked) {
-        return;
-    }
-    self->device = dg_device_find(self->model);
-    if (self->device == NULL && models_is_file(self->model)) {
-        read_model(self);
-    } else if (self->device == NULL) {
-        self->file = models_search(has_model, self);
-    }
-}
-
 int options_parse(struct options *self, int argc, char **argv)
 {
     *self = (struct options){.command = COMMAND_NONE, .parsed = 1};
     self->command = find_help(self, argc, argv);
     if (self->command != COMMAND_NONE) {
-        find_model(self);
+        (void)options_find_model(self);
         return 0;
     }
     const struct command_row *const meant = self->row; /* options are parsed before arguments */
@@ -678,8 +642,8 @@ int options_parse(struct options *self, int argc, char **argv)
         self->row = meant;
         return explain_culprit(self);
     }
-    find_model(self);
-    return check_command(self);
+    const int found = options_find_model(self);
+    return check_command(self) != 0 ? -1 : found;
 }
 
 /* "--pty[=LINK] or --tty DEV" */
@@ -731,5 +695,6 @@ void options_free(struct options *self)
     free(self->table);
     free(self->words);
     free(self->controls);
+    eds_file_close(self->eds);
     *self = (struct options){.command = COMMAND_NONE};
 }

@@ -22,6 +22,7 @@ enum command {
     COMMAND_FAULTS,
     COMMAND_RUN,
     COMMAND_EDS,
+    COMMAND_CHECK,
     COMMAND_ASK, /* as the row's `ask` does it */
     COMMAND_MAP,
     COMMAND_FMU,
@@ -32,6 +33,7 @@ enum command {
     COMMAND_VERSION,
 };
 
+struct eds_file;
 struct options;
 
 /* A command. */
@@ -93,6 +95,7 @@ struct options {
     uint64_t given;            /* bit n: row n of `table` was */
     int parsed;                /* words, up to and with the last option that was right */
     const char *culprit;       /* what the parser stumbled over */
+    struct eds_file *eds; /* owned: that `device` comes from; NULL: it does not */
     struct lx_error error;
 };
 
@@ -110,6 +113,10 @@ bool options_numbered(const struct lx_stack *stack);
    is none for it. */
 const struct dg_plan_wire_kind *
 options_wire(const struct options *self, const struct dg_device *device, struct lx_error *error);
+
+/* Find what MODEL names: `device`, and the file that it comes from. 0, also when there is none, or -1
+   with self->error: `run` of an EDS file that is none. */
+int options_find_model(struct options *self);
 
 /* What `run` is to be: of a model, a ring, or a rig file, whose plan is handed over: to be called
    once. 0, or -1 with `error` and nothing to free. */

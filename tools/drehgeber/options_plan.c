@@ -14,6 +14,7 @@
 #include "drehgeber/devices.h"
 #include "drehgeber/figure.h"
 #include "drehgeber/interbus.h"
+#include "eds_file.h"
 #include "options.h"
 #include "wire.h"
 
@@ -375,7 +376,8 @@ static const char *not_with_rig(const struct options *options)
 /* A file of models is none: it says what MODEL is. */
 static bool is_rig_file(const struct options *self)
 {
-    return self->model != NULL && self->device == NULL && models_is_file(self->model);
+    return self->model != NULL && self->device == NULL && !eds_file_is(self->model) &&
+           models_is_file(self->model);
 }
 
 /* The plan is the caller's now. */
