@@ -139,7 +139,7 @@ def test_help_has_what_the_command_takes():
 
 @pytest.mark.parametrize("wire", ["rs485", "slcan", "socketcand", "modbus"])
 def test_help_says_how_others_get_in(wire):
-    row = re.search(rf"--{wire}\b.*?(?=\n\s+--)", run("run", "--help").stdout, re.S)[0]
+    row = re.search(rf"^ +--{wire}\b.*?(?=\n\s+--)", run("run", "--help").stdout, re.S | re.M)[0]
     assert "(loopback; ,open: beyond it, too)" in " ".join(row.split())
 
 

@@ -95,7 +95,7 @@ struct options {
     uint64_t given;            /* bit n: row n of `table` was */
     int parsed;                /* words, up to and with the last option that was right */
     const char *culprit;       /* what the parser stumbled over */
-    struct eds_file *eds; /* owned: that `device` comes from; NULL: it does not */
+    struct eds_file *eds;      /* owned: that `device` comes from; NULL: it does not */
     struct lx_error error;
 };
 
@@ -114,8 +114,8 @@ bool options_numbered(const struct lx_stack *stack);
 const struct dg_plan_wire_kind *
 options_wire(const struct options *self, const struct dg_device *device, struct lx_error *error);
 
-/* Find what MODEL names: `device`, and the file that it comes from. 0, also when there is none, or -1
-   with self->error: `run` of an EDS file that is none. */
+/* Find what MODEL names: `device`, and the file that it comes from. 0, also when there is none, or
+   -1 with self->error: `run` of an EDS file that is none. */
 int options_find_model(struct options *self);
 
 /* What `run` is to be: of a model, a ring, or a rig file, whose plan is handed over: to be called
