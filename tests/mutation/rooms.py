@@ -31,6 +31,10 @@ VIRTUAL = r"unit\.|conformance\."
 THOROUGH = {"DREHGEBER_THOROUGH": "1"}
 USUAL = {"unit.host_forged"}
 
+# All tests of the Python package, which judge each module behind its own ones: what takes seconds comes last.
+PACKAGE = (r"python\.package/(?!can|encoder|package|rig)", r"python\.package/(?!package|rig_readers)",
+           r"python\.package/")
+
 # Beginning of a path: which tests judge the file, in this order, as patterns of names of ctest. The longest
 # beginning wins. A test that runs a folder of pytest is a test for each of its files here: e2e.control/faults.
 JUDGES = {
@@ -111,11 +115,29 @@ JUDGES = {
     "tools/drehgeber/top": [r"unit\.top_client", r"e2e\.top_screens", r"e2e\.top"],
     "tools/drehgeber/virtual_time": [r"e2e\.cli_said", r"golden\.", r"e2e\.(virtual_time|cli|csv|trace_tools)"],
     "tools/drehgeber/web": [r"e2e\.web", r"e2e\.cli"],
-    "tools/python/": [r"python\.package/(encoder|values)", r"python\.package/(serial|can|rig|user)$",
-                      r"python\.package/(package|rig_readers)"],
-    "tools/python/drehgeber/control": [r"python\.package/(control|user)$"],
-    "tools/python/drehgeber/instrument": [r"python\.package/(control|encoder|user)$"],
-    "tools/python/drehgeber/running": [r"python\.package/(control|user)$"],
+    "tools/python/": list(PACKAGE),
+    "tools/python/drehgeber/__init__": [r"python\.package/package", *PACKAGE],
+    "tools/python/drehgeber/_native": [r"python\.package/(encoder|values)", *PACKAGE],
+    "tools/python/drehgeber/address": [r"python\.package/(serial|can)", *PACKAGE],
+    "tools/python/drehgeber/can_interface": [r"python\.package/can", *PACKAGE],
+    "tools/python/drehgeber/canbus": [r"python\.package/(wires|can)", *PACKAGE],
+    "tools/python/drehgeber/chain": [r"python\.package/chain", *PACKAGE],
+    "tools/python/drehgeber/clock": [r"python\.package/(serial|wires|encoder)", *PACKAGE],
+    "tools/python/drehgeber/clocked": [r"python\.package/(wires|encoder)", *PACKAGE],
+    "tools/python/drehgeber/control": [r"python\.package/(control|user)", *PACKAGE],
+    "tools/python/drehgeber/course": [r"python\.package/(encoder|rig)$", *PACKAGE],
+    "tools/python/drehgeber/encoder": [r"python\.package/(encoder|values)", *PACKAGE],
+    "tools/python/drehgeber/fixture": [r"python\.package/user", *PACKAGE],
+    "tools/python/drehgeber/instrument": [r"python\.package/(control|encoder)", *PACKAGE],
+    "tools/python/drehgeber/plan": [r"python\.package/(verdicts|rig)$", *PACKAGE],
+    "tools/python/drehgeber/protocol_drehgeber": [r"python\.package/serial", *PACKAGE],
+    "tools/python/drehgeber/rigfile": [r"python\.package/(rig|rig_readers)$", *PACKAGE],
+    "tools/python/drehgeber/ring": [r"python\.package/(ring|encoder)", *PACKAGE],
+    "tools/python/drehgeber/rs485": [r"python\.package/(wires|serial)", *PACKAGE],
+    "tools/python/drehgeber/running": [r"python\.package/(control|user)", *PACKAGE],
+    "tools/python/drehgeber/shaft": [r"python\.package/(encoder|values)", *PACKAGE],
+    "tools/python/drehgeber/wire": [r"python\.package/(wires|serial|can)", *PACKAGE],
+    "tools/python/drehgeber/world": [r"python\.package/(encoder|values)", *PACKAGE],
 }
 
 # The command finds these beside itself.
