@@ -12,6 +12,14 @@ def chain_of(*models, **settings):
     return Chain([Encoder(model, shaft=Shaft(clock, f"{90 * i}DEG"), serial=i, **settings) for i, model in enumerate(models, 1)])
 
 
+def said(act, *arguments):
+    """What it gives, or the code of its error."""
+    try:
+        return act(*arguments)
+    except EncoderError as error:
+        return error.code
+
+
 def test_a_frame_has_all_of_them():
     chain = chain_of("s3684-biss", "s3674-biss", "s3684-biss")
     frames = chain.frame()
@@ -37,6 +45,61 @@ def test_each_has_its_registers():
             chain.register(*arguments)
 
 
+@pytest.mark.parametrize("stop_bit", ["own", "early"])
+def test_registers_are_those_of_a_master_for_one_alone(stop_bit):
+    """Also where less comes than was asked for; and each takes its time on the line."""
+    models, took = ("s3684-biss", "s3674-biss"), {}
+    chain, alone = chain_of(*models, stop_bit=stop_bit), chain_of(*models, stop_bit=stop_bit)
+    for address, count in (0x40, 8), (SERIAL, 8), (0x48, 8), (0x62, 4), (0x7C, 16), (0x00, 4):
+        for place, encoder in enumerate(alone.encoders):
+            begin = chain.clock.now
+            assert said(chain.register, place, address, count) == said(encoder.biss.register, address, count)
+            took[address, place] = round((chain.clock.now - begin) * 1e6)
+            alone.clock.advance(1)
+    for data in b"\2", b"\2\3":
+        assert chain.write_register(0, 0x40, data) == alone.encoders[0].biss.write_register(0x40, data) == 1
+        alone.clock.advance(1)
+    with pytest.raises(RangeError, match="count 0: expected 1..64"):
+        chain.register(0, SERIAL, 0)
+    for data in b"", bytes(65):
+        with pytest.raises(RangeError, match=f"{len(data)} registers: expected 1..64"):
+            chain.write_register(0, 0x40, data)
+    last = 0 if stop_bit == "early" else 1443  # us, for the register that is refused
+    assert [took[address, 0] for address in (0x40, SERIAL, 0x48, 0x7C)] == [14952, 12586 + last, 3407, 12588 + last]
+
+
+def test_an_encoder_takes_its_time_for_a_register():
+    """The EEPROM is busy with each: the master clocks frames until it is not."""
+    chain = chain_of("s3684-biss", "s3674-biss")
+    assert chain.write_register(1, 0x40, b"\7") == 1
+    begin = chain.clock.now
+    assert chain.write_register(1, 0, b"abc") == 3
+    assert chain.clock.now - begin > 0.015
+    assert chain.register(1, 0, 4) == b"abc\xff"
+
+
+def test_a_frame_is_that_of_a_master_for_one_alone():
+    """Every bit of it, with an error, and a life counter or none."""
+    for setting in {}, {"lc": 0}:
+        chain, alone = chain_of("s3684-biss", "s3674-biss", **setting), chain_of("s3684-biss", "s3674-biss", **setting)
+        for led_current_ua in 12000, 60000:
+            for encoder in (*chain.encoders, *alone.encoders):
+                encoder.shaft.position = 1000.5
+                encoder.world.led_current_ua = led_current_ua
+            for clock in chain.clock, alone.clock:
+                clock.advance(0.1)
+            frames = chain.frame()
+            assert [frame[2:] for frame in frames] == [encoder.biss.frame()[2:] for encoder in alone.encoders]
+        assert all(frame.error for frame in frames)
+
+
+def test_a_frame_takes_its_time():
+    """A clock of 1 MHz for each bit of both and what goes ahead of them, then the timeout."""
+    chain = chain_of("s3684-biss", "s3674-biss")
+    chain.frame()
+    assert chain.clock.now == pytest.approx(103e-6, abs=1e-12)
+
+
 def test_a_fault_is_of_the_line_behind_its_driver():
     """The cut line of the second one is a second frame that is wrong."""
     chain = chain_of("s3684-biss", "s3684-biss")
@@ -52,6 +115,8 @@ def test_nobody_answers_without_power():
         with pytest.raises(EncoderError) as caught:
             act()
         assert caught.value.code == -14
+        if act == chain.frame:  # it gave up
+            assert chain.clock.now == pytest.approx(1312e-6, abs=1e-9)
     for encoder in chain.encoders:
         encoder.power(True)
     chain.clock.advance(1)

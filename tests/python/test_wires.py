@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: MIT
 """What happens between encoders on one wire: tests/unit has the rules, and the differential test the bytes; this is the door."""
+import gc
 import itertools
+import weakref
 
 import pytest
 import serial
@@ -59,6 +61,14 @@ def test_who_sends_is_deaf(line):
         assert port.read(10) == b""
 
 
+def test_a_request_forgets_what_was_said_before(line):
+    with open_port(line) as port:
+        port.write(ASK)
+        line.clock.advance(1)
+        assert port.in_waiting == 7
+        assert line.request(ASK_FAR)[:2] == ASK_FAR[:2]
+
+
 def test_a_reply_ends_with_the_power(line):
     near = line.encoders[0]
     with open_port(line) as port:
@@ -80,6 +90,17 @@ def test_a_clock_with_others_on_it_gives_the_same(line):
     for degrees, address in (90, 0x40), (180, 0x41):
         Encoder("s3684-rs485", line=shared, shaft=f"{degrees}DEG", address=address)
     assert [(shared.request(request), clock.now) for request in (ASK, ASK_FAR, ASK_ALL)] == alone
+
+
+def test_who_was_never_on_is_left_alone():
+    """Its shaft may turn; it hears nothing, and says nothing."""
+    line, bus = Line(), CanBus()
+    for encoder in Encoder("s3684-rs485", line=line, power=False), Encoder("f3668", bus=bus, power=False):
+        encoder.shaft.position = 90
+        assert not encoder.powered
+    Encoder("s3684-rs485", line=line, address=0x41)
+    line.encoders[0].shaft.position = 180
+    assert (line.request(ASK), len(line.request(ASK_FAR))) == (b"", 7)
 
 
 def test_a_line_has_an_end():
@@ -158,6 +179,13 @@ def test_controllers_follow_their_bus():
         bus.controller("broken")
 
 
+def test_a_port_that_left_says_nothing():
+    _, master = bus_of(1)
+    master.close()
+    with pytest.raises(EncoderError, match="the port, .* is closed"):
+        master.send(0x601, UPLOAD)
+
+
 def test_nobody_acknowledges():
     """Encoders show it on their LEDs."""
     bus, _ = bus_of(1)
@@ -202,6 +230,22 @@ def test_a_bus_that_another_one_joins():
         _ = second.bus.nodes and second.position
 
 
+def test_an_encoder_with_a_fault_is_closed():
+    """It may be closed again, and the bus holds it no longer."""
+    bus, master = bus_of(2)
+    node = Encoder("f3668", bus=bus, node=1)
+    node.set_fault("wire_drop", duration_ms=10)
+    node.close()
+    node.close()
+    bus.clock.advance(1)
+    gone = weakref.ref(node)
+    del node
+    gc.collect()
+    assert gone() is None
+    master.send(0x602, UPLOAD)
+    assert [frame.id for frame in heard(master)] == [0x582]
+
+
 # ---------------------------------------------------------------- a clocked line
 
 
@@ -212,12 +256,24 @@ def test_levels_of_a_line_are_told():
     assert not levels and encoder.clocked.watch() is levels
     for i in range(4):
         encoder.ssi.clock(i % 2 == 1)
+        assert len(levels) == i // 3  # at once
         encoder.clock.advance(1e-6)
     told = [tuple(level) for level in levels]
     levels.clear()
     encoder.clock.advance(0.001)
     assert told == [(pytest.approx(3e-6), False)]
     assert [level.level for level in levels] == [True] and 20e-6 < levels[0].at < 40e-6
+
+
+def test_levels_of_before_are_not_told():
+    encoder = Encoder("ssi-13", shaft="180DEG", code="binary")
+    for i in range(4):
+        encoder.ssi.clock(i % 2 == 1)
+        encoder.clock.advance(1e-6)
+    encoder.clock.advance(1)
+    levels = encoder.clocked.watch()
+    encoder.clock.advance(1)
+    assert not levels
 
 
 def test_the_line_of_the_next_encoder_goes_through():
