@@ -68,6 +68,14 @@ def test_registers_are_those_of_a_master_for_one_alone(stop_bit):
     assert [took[address, 0] for address in (0x40, SERIAL, 0x48, 0x7C)] == [14952, 12586 + last, 3407, 12588 + last]
 
 
+def test_a_register_that_is_refused_takes_its_time():
+    """Of a master for one alone, too: the chain goes on behind it."""
+    chain = chain_of("s3684-biss", "s3674-biss")
+    assert said(chain.encoders[0].biss.register, 0x48, 8) == -13
+    assert chain.clock.now > 0.001
+    assert said(chain.register, 0, 0x48, 8) == -13 and chain.register(0, SERIAL, 4) == b"\0\0\0\1"
+
+
 def test_an_encoder_takes_its_time_for_a_register():
     """The EEPROM is busy with each: the master clocks frames until it is not."""
     chain = chain_of("s3684-biss", "s3674-biss")

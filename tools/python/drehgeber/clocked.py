@@ -108,12 +108,9 @@ class Biss(Clocked):
         with encoder.clock.lock:
             self._now[0] = encoder.clock._sync()
             call = getattr(encoder._lib, f"dg_host_registers_{way}")
-            done = checked(
-                call(encoder._host, self._now, address, data, count),
-                f"{count} registers from {address:02X}h",
-            )
-            encoder.clock._wait_until(self._now[0])
-        return done
+            done = call(encoder._host, self._now, address, data, count)
+            encoder.clock._wait_until(self._now[0])  # a register that is refused takes its time, too
+        return checked(done, f"{count} registers from {address:02X}h")
 
     def register(self, address: int, count: int = 1) -> bytes:
         """Read registers from `address` on; less than `count` where the encoder refuses one."""
