@@ -77,7 +77,7 @@ static void store_cells(struct dg_co_node *node)
     for (uint8_t n = 0; n < file->layout.region_count - first; n++) {
         const uint16_t count = cells_in(file, n);
         for (uint16_t i = 0; i < count; i++) {
-            dg_store_le32(&bytes[4u * i], *value++);
+            dg_store_le32(&bytes[(size_t)4u * i], *value++);
         }
         /* What is not written now is not acknowledged either: the stack's own part follows. */
         (void)dg_store_put(&node->store, (uint8_t)(first + n), 0, bytes, (uint16_t)(4u * count));
@@ -114,13 +114,13 @@ static void load_cells(struct dg_co_node *node)
     for (uint8_t n = 0; n < file->layout.region_count - first; n++) {
         const uint8_t region = (uint8_t)(first + n);
         const uint16_t count = cells_in(file, n);
-        uint32_t *value = dg_co_cells(node) + n * EDS_CELLS_A_REGION;
+        uint32_t *value = dg_co_cells(node) + (size_t)n * EDS_CELLS_A_REGION;
         if (dg_store_damaged(&node->store, region) ||
             dg_store_read(&node->store, region, 0, bytes, (uint16_t)(4u * count)) != DG_OK) {
             continue;
         }
         for (uint16_t i = 0; i < count; i++) {
-            value[i] = dg_load_le32(&bytes[4u * i]);
+            value[i] = dg_load_le32(&bytes[(size_t)4u * i]);
         }
     }
 }

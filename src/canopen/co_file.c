@@ -91,8 +91,10 @@ void dg_co_note_entry(struct eds_reader *self, const struct eds_entry *entry, co
         n += 3;
         name[n++] = digits[sub >> 4];
         name[n++] = digits[sub & 0xFu];
-        name[7] = sub < 0x10u ? name[8] : name[7];
-        n -= sub < 0x10u ? 1u : 0u;
+        if (sub < 0x10u) {
+            name[7] = name[8];
+            n--;
+        }
     }
     const struct eds_place place = {
         .line = entry->line, .section = {name, n}, .key = {key, length}};

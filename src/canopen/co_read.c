@@ -39,7 +39,7 @@ struct line {
 
 static char small(char c)
 {
-    return c >= 'A' && c <= 'Z' ? (char)(c - 'A' + 'a') : c;
+    return (char)(c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c);
 }
 
 static bool is_blank(char c)
@@ -192,7 +192,7 @@ static void copy_text(char *to, size_t size, struct eds_span from)
 
     while (n < from.n && n + 1u < size) {
         const char c = from.at[n];
-        to[n++] = c >= ' ' && c <= '~' ? c : '?';
+        to[n++] = (char)(c >= ' ' && c <= '~' ? c : '?');
     }
     to[n] = '\0';
 }

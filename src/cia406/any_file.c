@@ -84,9 +84,9 @@ static void make_name(struct dg_cia406_file *self)
     size_t n = 0;
 
     while (n + 1u < sizeof self->name && from[n] != '\0') {
-        const char c = from[n] >= 'A' && from[n] <= 'Z' ? (char)(from[n] - 'A' + 'a') : from[n];
+        const char c = (char)(from[n] >= 'A' && from[n] <= 'Z' ? from[n] - 'A' + 'a' : from[n]);
         const bool good = (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_';
-        self->name[n++] = good ? c : '-';
+        self->name[n++] = (char)(good ? c : '-');
     }
     if (n == 0) {
         self->name[n++] = 'e';

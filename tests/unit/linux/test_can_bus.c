@@ -53,7 +53,7 @@ static void plans_that_cannot_be(void **state)
          "supply_mv battery_mv sin_amplitude_permille cos_amplitude_permille "
          "sin_offset_permille cos_offset_permille singleturn_ok "
          "multiturn_amplitude_ok multiturn_sync_ok multiturn_vector_ok "
-         "eeprom_acknowledges watchdog_fired"},
+         "eeprom_acknowledges watchdog_fired; of the wire: pace"},
         {NULL, "eeprom_acknowledges=2", "rig.ini:9: eeprom_acknowledges=2: 0 or 1 is right"},
     };
     struct can_rig *self = *state;
