@@ -331,10 +331,7 @@ int dg_co_read(struct dg_co_file *self, const struct dg_eds_setup *setup,
 {
     uint8_t *memory = setup->memory;
     struct eds_maker maker = {
-        .in = {.setup = setup,
-               .error = error,
-               .front = memory,
-               .back = memory + setup->memory_size / sizeof(uint64_t) * sizeof(uint64_t)},
+        .in = {.setup = setup, .error = error, .front = memory},
         .ground = ground,
         .to = self,
     };
@@ -343,6 +340,7 @@ int dg_co_read(struct dg_co_file *self, const struct dg_eds_setup *setup,
     if (setup->size != sizeof *setup || memory == NULL) {
         return dg_co_refuse_text(&maker.in, "not a setup of this version", NULL);
     }
+    maker.in.back = memory + setup->memory_size / sizeof(uint64_t) * sizeof(uint64_t);
     const int result = dg_co_scan_text(&maker.in);
     return result != DG_OK ? result : make_device(&maker);
 }

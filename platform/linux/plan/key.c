@@ -119,8 +119,10 @@ void lx_keys_help(const struct lx_keys *keys, FILE *to)
             continue;
         }
         (void)fprintf(to, "  %-23s %s (%s", key->name, key->help, lx_key_range(key).text);
-        const struct lx_words value =
-            keys->base == NULL ? (struct lx_words){""} : lx_key_value(key, keys->base);
+        struct lx_words value = {""};
+        if (keys->base != NULL) {
+            value = lx_key_value(key, keys->base);
+        }
         (void)fprintf(to, "%s%s", value.text[0] == '\0' ? "" : ", default ", value.text);
         (void)fputs(")\n", to);
     }
