@@ -157,17 +157,30 @@ static uint8_t delivered_rate(const struct eds_maker *self, uint8_t base)
     return kbaud[base] != 0 ? base : lowest;
 }
 
-/* What a memory of this file looks like: an image of another one is foreign. */
+/* The same on any machine. @return the CRC `id` with `count` words more */
+static uint32_t add_words(uint32_t id, const uint32_t *words, size_t count)
+{
+    for (size_t i = 0; i < count; i++) {
+        uint8_t bytes[4];
+        dg_store_le32(bytes, words[i]);
+        id = dg_crc32(id, bytes, sizeof bytes);
+    }
+    return id;
+}
+
+/* What a memory of this file looks like: an image of another one is foreign, also of one that let a
+ * cell have values that this one does not. */
 static uint32_t layout_id(const struct eds_maker *self)
 {
     const struct dg_co_device *device = &self->to->device;
-    const uint32_t identity[] = {device->vendor_id, device->product_code, device->revision};
-    uint32_t id = dg_crc32(LAYOUT_SEED, (const uint8_t *)identity, sizeof identity);
+    uint32_t id = add_words(LAYOUT_SEED,
+                            (const uint32_t[]){device->device_type, device->vendor_id,
+                                               device->product_code, device->revision},
+                            4);
 
     for (uint16_t i = 0; i < self->to->kept; i++) {
-        uint8_t key[4];
-        dg_store_le32(key, self->cells[i].key);
-        id = dg_crc32(id, key, sizeof key);
+        const struct dg_co_cell *cell = &self->cells[i];
+        id = add_words(id, (const uint32_t[]){cell->key, cell->limits.min, cell->limits.max}, 3);
     }
     return id;
 }

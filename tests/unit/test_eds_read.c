@@ -539,6 +539,30 @@ static void a_dcf_is_configured(void **state)
     assert_int_equal(upload(0x1017, 0), 300);
 }
 
+/* The layout of a file with a value [2000] of this kind, in a device of this type. */
+static uint32_t layout_of(const char *type, const char *value)
+{
+    char text[512];
+    const int n = snprintf(text, sizeof text,
+                           "[1000]\nDataType=7\nAccessType=ro\nDefaultValue=%s\n"
+                           "[2000]\nAccessType=rw\nDefaultValue=5\n%s",
+                           type, value);
+    assert_int_equal(read_in(text, (size_t)n, sizeof rig.memory), DG_OK);
+    return rig.file.file.layout.id;
+}
+
+/* Its image may have values that this one does not take. */
+static void the_memory_of_another_file_is_foreign(void **state)
+{
+    (void)state;
+    const uint32_t wide = layout_of("0x20196", "DataType=7\n");
+    assert_int_equal(layout_of("0x20196", "DataType=7\nDefaultValue=6\n"), wide);
+    assert_int_not_equal(layout_of("0x20196", "DataType=5\n"), wide);
+    assert_int_not_equal(layout_of("0x20196", "DataType=4\n"), wide);
+    assert_int_not_equal(layout_of("0x20196", "DataType=7\nHighLimit=10\n"), wide);
+    assert_int_not_equal(layout_of("0x10196", "DataType=7\n"), wide);
+}
+
 /* Whatever is in it: what can be read starts and answers. */
 static void damaged_files_do_no_harm(void **state)
 {
@@ -587,6 +611,7 @@ int main(void)
         cmocka_unit_test(little_memory_is_said),
         cmocka_unit_test(what_is_tolerated_is_noted),
         cmocka_unit_test(a_dcf_is_configured),
+        cmocka_unit_test(the_memory_of_another_file_is_foreign),
         cmocka_unit_test(damaged_files_do_no_harm),
     };
     return cmocka_run_group_tests_name("eds_read", tests, NULL, NULL);
