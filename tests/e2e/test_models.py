@@ -104,3 +104,10 @@ def test_an_fmu_has_no_files(tmp_path):
     path.write_text(LA26)
     assert "la26 is the model of a file, which an FMU does not have" in run_refused(
         2, "fmu", path, "--output", tmp_path / "a.fmu")
+
+
+def test_a_wire_does_not_hide_what_is_wrong_in_a_file(tmp_path):
+    path = tmp_path / "la26.ini"
+    path.write_text(LA26.replace("st = 26", "st = 99"))
+    assert "la26.ini:3: st 99: a number in 8..32 is right" in run_refused(2, "run", path, "--sim")
+    assert "none.ini: cannot open" in run_refused(2, "run", tmp_path / "none.ini", "--shaft", "1RPM")

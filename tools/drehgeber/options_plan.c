@@ -380,10 +380,16 @@ static bool is_rig_file(const struct options *self)
            models_is_file(self->model);
 }
 
+/* What nobody could read may be a file of models: what is wrong in it is said first. */
+static bool is_read(const struct options *self)
+{
+    return self->file != NULL && self->file->plan.memory != NULL;
+}
+
 /* The plan is the caller's now. */
 static int take_rig(const struct options *self, struct dg_plan *plan, struct lx_error *error)
 {
-    if (self->file == NULL || self->file->plan.memory == NULL) {
+    if (!is_read(self)) {
         *error = self->unread;
         return -1;
     }
@@ -398,7 +404,7 @@ int options_plan(const struct options *self, struct dg_plan *plan, struct lx_err
     int result = 0;
     if (!is_rig_file(self)) {
         result = plan_model(self, plan, error);
-    } else if (not_with_rig(self) != NULL) {
+    } else if (not_with_rig(self) != NULL && is_read(self)) {
         struct lx_words right = {""};
         lx_words_add(&right, "right is its place in %s", self->model);
         result = lx_refuse(error, right.text, "--%s: not with a rig file", not_with_rig(self));
