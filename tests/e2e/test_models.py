@@ -111,3 +111,13 @@ def test_a_wire_does_not_hide_what_is_wrong_in_a_file(tmp_path):
     path.write_text(LA26.replace("st = 26", "st = 99"))
     assert "la26.ini:3: st 99: a number in 8..32 is right" in run_refused(2, "run", path, "--sim")
     assert "none.ini: cannot open" in run_refused(2, "run", tmp_path / "none.ini", "--shaft", "1RPM")
+
+
+def test_nobody_waits_for_a_fifo(folder, tmp_path):
+    os.mkfifo(tmp_path / "models" / "a.ini")
+    os.mkfifo(tmp_path / "acme.eds")
+    ended = run("list", env=folder)
+    assert "la26         BiSS-C, linear, 26 bit\n" in ended.stdout
+    assert "a.ini: not a regular file; one is right" in ended.stderr
+    assert "acme.eds: not a regular file; one is right" in run_refused(1, "check", tmp_path / "acme.eds")
+    assert "acme.eds: not a regular file; one is right" in run_refused(2, "run", tmp_path / "acme.eds")

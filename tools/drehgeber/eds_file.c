@@ -9,6 +9,7 @@
 #include <strings.h>
 
 #include "complain.h"
+#include "file.h"
 #include "run.h"
 
 /* Bytes to begin with; a file whose objects need more is read again. */
@@ -51,9 +52,9 @@ static void print_note(void *ctx, const struct dg_eds_note *note)
 /* One byte more than is allowed tells that there is more. @return bytes, or -1 with `error` */
 static long read_text(struct eds_file *self, struct lx_error *error)
 {
-    FILE *stream = fopen(self->path, "re");
+    FILE *stream = lx_file_read(NULL, self->path, error);
     if (stream == NULL) {
-        return lx_fail(error, "%s: cannot open: %s", self->path, strerror(errno));
+        return -1;
     }
     self->text = malloc(DG_EDS_BYTES_MAX + 1u);
     const size_t n = self->text == NULL ? 0 : fread(self->text, 1, DG_EDS_BYTES_MAX + 1u, stream);

@@ -8,6 +8,8 @@
 #include <string.h>
 #include <strings.h>
 
+#include "file.h"
+
 static const char ending[] = ".ini";
 
 static bool ends_so(const char *name)
@@ -21,7 +23,7 @@ bool models_is_file(const char *name)
     return strchr(name, '/') != NULL || strcasecmp(name, ending) == 0 || ends_so(name);
 }
 
-struct model_file *models_read(const char *path, struct lx_error *error)
+static struct model_file *make_file(const char *path, struct lx_error *error)
 {
     struct model_file *self = calloc(1, sizeof *self + strlen(path) + 1);
     if (self == NULL) {
@@ -29,7 +31,27 @@ struct model_file *models_read(const char *path, struct lx_error *error)
         return NULL;
     }
     memcpy(self->path, path, strlen(path) + 1);
-    (void)lx_plan_read(&self->plan, self->path, error);
+    return self;
+}
+
+struct model_file *models_read(const char *path, struct lx_error *error)
+{
+    struct model_file *self = make_file(path, error);
+    if (self != NULL) {
+        (void)lx_plan_read(&self->plan, self->path, error);
+    }
+    return self;
+}
+
+/* Nobody named this file: a FIFO among models would be waited for without end. */
+static struct model_file *read_regular(const char *path, struct lx_error *error)
+{
+    struct model_file *self = make_file(path, error);
+    FILE *stream = self == NULL ? NULL : lx_file_read(NULL, path, error);
+    if (stream != NULL) {
+        (void)fclose(stream);
+        (void)lx_plan_read(&self->plan, self->path, error);
+    }
     return self;
 }
 
@@ -46,7 +68,7 @@ try_file(const char *folder, const char *name,
     struct lx_error error;
     char path[4096];
     (void)snprintf(path, sizeof path, "%s/%s", folder, name);
-    struct model_file *file = models_read(path, &error);
+    struct model_file *file = read_regular(path, &error);
     const bool unread = file != NULL && file->plan.memory == NULL;
     if (file != NULL && wanted(ctx, &file->plan, unread ? &error : NULL)) {
         return file;
