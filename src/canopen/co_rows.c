@@ -224,6 +224,17 @@ static struct dg_co_limits common_limits(struct dg_co_limits file, const struct 
     return range;
 }
 
+/* What the base takes, in the object's type: all values of 32 bits are other ones with a sign. */
+static struct dg_co_limits base_limits(const struct dg_co_object *object,
+                                       const struct dg_co_object *base)
+{
+    const struct dg_co_limits range = dg_co_limits_of(base);
+    const struct dg_co_limits all = dg_co_type_limits(base);
+    const bool any = range.min == all.min && range.max == all.max;
+
+    return any && co_is(base, DG_CO_SLOT) ? dg_co_type_limits(object) : range;
+}
+
 /* It behaves as the base's: slot and hook are its own. */
 static void bind_row(struct eds_maker *self, const struct eds_entry *entry,
                      const struct dg_co_object *base, struct dg_co_row *row)
@@ -238,7 +249,7 @@ static void bind_row(struct eds_maker *self, const struct eds_entry *entry,
     row->hook = keep_hook(self, hook == dg_co_hook_store ? dg_co_hook_keep : hook);
     /* The stack's hooks know what fits, and may set what a file's limits would not have. */
     if ((row->flags & DG_CO_W) != 0 && (hook == NULL || entry->key >= DG_CO_KEY(0x2000, 0))) {
-        const struct dg_co_limits all = dg_co_limits_of(base);
+        const struct dg_co_limits all = base_limits(&object, base);
         const struct dg_co_limits range =
             common_limits(limits_of(self, entry, &object, row->initial, follows, all), base);
         row->key |= (uint32_t)keep_limits(self, entry, &object, range) << 4;

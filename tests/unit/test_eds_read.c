@@ -539,6 +539,25 @@ static void a_dcf_is_configured(void **state)
     assert_int_equal(upload(0x1017, 0), 300);
 }
 
+/* As many encoders have it; what is behind the range is still refused. */
+static void a_preset_may_have_a_sign(void **state)
+{
+    (void)state;
+    read_text("[1000]\nDataType=7\nAccessType=ro\nDefaultValue=0x20196\n"
+              "[6002]\nDataType=4\nAccessType=rw\nDefaultValue=1000\n"
+              "[6003]\nDataType=4\nAccessType=rw\nDefaultValue=0\n"
+              "[6004]\nDataType=4\nAccessType=ro\n"
+              "[6501]\nDataType=7\nAccessType=ro\nDefaultValue=4096\n"
+              "[6502]\nDataType=6\nAccessType=ro\nDefaultValue=4096\n");
+    assert_int_equal(rig.note_count, 0);
+    start(&rig.file.device);
+    assert_int_equal(download(0x6003, 0, 700, 4), 0);
+    assert_int_equal(upload(0x6003, 0), 700);
+    assert_int_equal(upload(0x6004, 0), 700);
+    assert_int_equal(download(0x6002, 0, 5000, 4), 0);
+    assert_int_equal(download(0x6003, 0, UINT32_MAX, 4), 0x06090030);
+}
+
 /* The layout of a file with a value [2000] of this kind, in a device of this type. */
 static uint32_t layout_of(const char *type, const char *value)
 {
@@ -611,6 +630,7 @@ int main(void)
         cmocka_unit_test(little_memory_is_said),
         cmocka_unit_test(what_is_tolerated_is_noted),
         cmocka_unit_test(a_dcf_is_configured),
+        cmocka_unit_test(a_preset_may_have_a_sign),
         cmocka_unit_test(the_memory_of_another_file_is_foreign),
         cmocka_unit_test(damaged_files_do_no_harm),
     };
