@@ -65,7 +65,7 @@ static bool is_usual(const struct dg_biss_form *form)
            form->crc_poly == dg_biss_any_form.crc_poly && form->crc_start == 0 && !form->crc_plain;
 }
 
-static const char *settle(void *model)
+static const char *settle_model(void *model)
 {
     struct text_model *self = model;
     const bool usual = is_usual(&self->form);
@@ -95,5 +95,5 @@ const struct dg_model_text dg_biss_model_text = {
     .heirlooms = heirlooms,
     .drop = drop,
     .copy = copy,
-    .settle = settle,
+    .settle = settle_model,
 };

@@ -2,7 +2,7 @@
 #include "drehgeber/model.h"
 #include "interbus_private.h"
 
-static const char *settle(void *model)
+static const char *settle_model(void *model)
 {
     return dg_ib_model_check(model) == DG_OK
                ? NULL
@@ -14,5 +14,5 @@ const struct dg_model_text dg_ib_model_text = {
     .keys = &dg_ib_keys,
     .own_size = sizeof(struct dg_ib_model),
     .size = sizeof(struct dg_ib_model),
-    .settle = settle,
+    .settle = settle_model,
 };

@@ -37,7 +37,7 @@ static void wake(const struct dg_engine *self)
 
 /* ---------------------------------------------------------------- encoders */
 
-static void look(struct dg_rig *control, struct dg_encoder *encoder, dg_ns now)
+static void look_at_encoder(struct dg_rig *control, struct dg_encoder *encoder, dg_ns now)
 {
     dg_bus_look(dg_engine_bus_of(engine_of(control), view_of(encoder)), now);
 }
@@ -168,7 +168,7 @@ static void turns(struct dg_rig *control, struct dg_rig_shaft *shaft, dg_ns now)
 {
     for (size_t i = 0; i < control->encoder_count; i++) {
         if (turns_with(control->encoders[i], shaft)) {
-            look(control, control->encoders[i], now);
+            look_at_encoder(control, control->encoders[i], now);
         }
     }
 }
@@ -238,7 +238,7 @@ const struct dg_rig_ops dg_engine_ops = {
     .counters = counters,
     .profile = profile,
     .profile_text = profile_text,
-    .look = look,
+    .look = look_at_encoder,
     .turns = turns,
     .turned = turned,
     .find = find,

@@ -51,7 +51,7 @@ static bool is_usual(const char *layout)
 }
 
 /* A layout that is as without a form is one when the position is wider than that can be. */
-static const char *settle(void *model)
+static const char *settle_model(void *model)
 {
     struct text_model *self = model;
     const bool error = self->model.error_bit != DG_SSI_ERROR_NONE;
@@ -78,5 +78,5 @@ const struct dg_model_text dg_ssi_model_text = {
     .more = &more,
     .size = sizeof(struct text_model),
     .copy = copy,
-    .settle = settle,
+    .settle = settle_model,
 };

@@ -140,7 +140,7 @@ static struct dg_host *make_host(uint8_t *memory, const struct dg_device *device
     return host;
 }
 
-static void start(const struct dg_device *device)
+static void start_encoder(const struct dg_device *device)
 {
     rig.node = NODE_ID;
     rig.now = DG_S(1);
@@ -237,7 +237,7 @@ static void power_cycle(void)
 static void start_acme(void)
 {
     read_text(acme);
-    start(&rig.file.device);
+    start_encoder(&rig.file.device);
     turn_to(1.25);
 }
 
@@ -389,7 +389,7 @@ static void any_number_of_steps_and_turns_will_do(void **state)
               "[6004]\nDataType=7\nAccessType=ro\n"
               "[6501]\nDataType=7\nAccessType=ro\nDefaultValue=3600\n"
               "[6502]\nDataType=7\nAccessType=ro\nDefaultValue=37\n");
-    start(&rig.file.device);
+    start_encoder(&rig.file.device);
     for (size_t i = 0; i < DG_COUNT(rows); i++) {
         turn_to(rows[i].turns);
         assert_int_equal(upload(0x6004, 0), rows[i].position);
@@ -403,7 +403,7 @@ static void another_profile_is_values_only(void **state)
               "[6004]\nDataType=7\nAccessType=ro\nDefaultValue=5\n"
               "[6040]\nDataType=6\nAccessType=rww\nDefaultValue=0x0F\n");
     assert_true(is_noted("1000", "another profile"));
-    start(&rig.file.device);
+    start_encoder(&rig.file.device);
     turn_to(1.25);
     assert_int_equal(upload(0x6004, 0), 5);
     assert_int_equal(download(0x6040, 0, 6, 2), 0);
@@ -433,7 +433,7 @@ static void the_f3668_from_its_own_file_is_an_f3668(void **state)
     static uint32_t keys[1024];
     size_t count = 0;
     (void)state;
-    start(&dg_f3668);
+    start_encoder(&dg_f3668);
     turn_to(1.25);
     for (uint32_t index = 0x1000; index < 0x6600; index++) {
         for (uint32_t sub = 0; sub < 9; sub++) {
@@ -450,7 +450,7 @@ static void the_f3668_from_its_own_file_is_an_f3668(void **state)
     dg_co_eds(dg_cia406_sheet_of(&dg_f3668), append, NULL);
     read_text(own.bytes);
     assert_int_equal(rig.note_count, 0);
-    start(&rig.file.device);
+    start_encoder(&rig.file.device);
     turn_to(1.25);
     for (size_t i = 0; i < count; i++) {
         const struct dg_host_event answer =
@@ -498,7 +498,7 @@ static void little_memory_is_said(void **state)
         size += 64;
         assert_true(size < sizeof rig.memory);
     }
-    start(&rig.file.device);
+    start_encoder(&rig.file.device);
     assert_int_equal(upload(0x2000, 0), 3);
 }
 
@@ -521,7 +521,7 @@ static void what_is_tolerated_is_noted(void **state)
     assert_true(is_noted("2003", "texts cannot be written"));
     assert_true(is_noted("", "lists name other objects"));
     assert_true(is_noted("6501", "without a default"));
-    start(&rig.file.device);
+    start_encoder(&rig.file.device);
     assert_int_equal(upload(0x2001, 0), 9);
 }
 
@@ -534,7 +534,7 @@ static void a_dcf_is_configured(void **state)
               "[1000]\nDataType=7\nDefaultValue=0x10196\nAccessType=ro\n"
               "[1017]\nDataType=6\nParameterValue=300\nDefaultValue=0\nAccessType=rw\n");
     assert_int_equal(rig.file.file.node_id, 0x22);
-    start(&rig.file.device);
+    start_encoder(&rig.file.device);
     assert_int_equal(dg_host_bit_rate(rig.host), 500);
     assert_int_equal(upload(0x1017, 0), 300);
 }
@@ -550,7 +550,7 @@ static void a_preset_may_have_a_sign(void **state)
               "[6501]\nDataType=7\nAccessType=ro\nDefaultValue=4096\n"
               "[6502]\nDataType=6\nAccessType=ro\nDefaultValue=4096\n");
     assert_int_equal(rig.note_count, 0);
-    start(&rig.file.device);
+    start_encoder(&rig.file.device);
     assert_int_equal(download(0x6003, 0, 700, 4), 0);
     assert_int_equal(upload(0x6003, 0), 700);
     assert_int_equal(upload(0x6004, 0), 700);
@@ -602,7 +602,7 @@ static void damaged_files_do_no_harm(void **state)
             continue;
         }
         started++;
-        start(&rig.file.device);
+        start_encoder(&rig.file.device);
         (void)refusal(0x1000, 0);
         (void)refusal(0x6004, 0);
         (void)download(0x2000, 0, 5, 1);

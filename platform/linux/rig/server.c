@@ -408,7 +408,8 @@ static int listen_there(struct lx_server *self, const struct dg_plan_control *at
     return 0;
 }
 
-static int start(struct lx_server *self, const struct dg_plan_control *at, struct lx_error *error)
+static int start_server(struct lx_server *self, const struct dg_plan_control *at,
+                        struct lx_error *error)
 {
     if (listen_there(self, at, error) != 0) {
         return -1;
@@ -437,7 +438,7 @@ struct lx_server *lx_server_open(const struct dg_plan_control *at,
     for (size_t i = 0; i < LX_SERVER_CLIENTS_MAX; i++) {
         self->clients[i].fd = -1;
     }
-    if (start(self, at, error) != 0) {
+    if (start_server(self, at, error) != 0) {
         lx_server_close(self);
         return NULL;
     }
