@@ -199,11 +199,6 @@ static DG_CO_TELL(hook_status, node->value[SLOT_WRITTEN]) static DG_CO_TELL(hook
     return false;
 }
 
-static dg_ns step(struct dg_co_node *node)
-{
-    return dg_cia406_multiturn.step(node);
-}
-
 /* ------------------------------------------------------------ the device */
 
 /* Hooks by number, and the numbers. */
@@ -268,23 +263,11 @@ static void default_bus(const void *ctx, uint8_t *out)
     memcpy(out, bus, sizeof bus);
 }
 
-static void default_zeros(const void *ctx, uint8_t *out)
-{
-    (void)ctx;
-    memset(out, 0, 4);
-}
-
-static void default_usf(const void *ctx, uint8_t *out)
-{
-    (void)ctx;
-    memset(out, 0, 21);
-}
-
 static const struct dg_store_region regions[REGION_COUNT] = {
     DG_CO_STORE_REGIONS(default_bus),
     [REGION_PROFILE] = {"profile", PROFILE_SIZE, DG_STORE_CHECKED, 0, NULL},
-    [REGION_USF] = {"usf", 21, DG_STORE_CHECKED, 0, default_usf},
-    [REGION_TIME] = {"time", 4, DG_STORE_CHECKED, 0, default_zeros},
+    [REGION_USF] = {"usf", 21, DG_STORE_CHECKED, 0, dg_cia406_default_usf},
+    [REGION_TIME] = {"time", 4, DG_STORE_CHECKED, 0, dg_cia406_default_time},
 };
 
 static const struct dg_store_layout layout = {
@@ -300,5 +283,5 @@ const struct dg_co_device dg_cia406_any = {
     .layout = &layout,
     .reset = reset,
     .sample = sample,
-    .step = step,
+    .step = dg_cia406_step_node,
 };

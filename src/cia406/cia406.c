@@ -167,8 +167,7 @@ static dg_ns look_around(struct dg_co_node *node)
     return self->rest == DG_CIA406_ASLEEP ? dg_cia406_health_next(self) : self->look_at;
 }
 
-/* Supervision now and then; in event mode every millisecond whether a position has changed. */
-static dg_ns step(struct dg_co_node *node)
+dg_ns dg_cia406_step_node(struct dg_co_node *node)
 {
     struct dg_cia406 *self = encoder_of(node);
     const dg_ns look_at = look_around(node);
@@ -277,13 +276,13 @@ static void default_bus(const void *ctx, uint8_t *out)
     memcpy(out, bus, sizeof bus);
 }
 
-static void default_usf(const void *ctx, uint8_t *out)
+void dg_cia406_default_usf(const void *ctx, uint8_t *out)
 {
     (void)ctx;
     memset(out, 0, 21);
 }
 
-static void default_time(const void *ctx, uint8_t *out)
+void dg_cia406_default_time(const void *ctx, uint8_t *out)
 {
     (void)ctx;
     memset(out, 0, 4);
@@ -305,8 +304,8 @@ static const struct dg_co_cause causes[CAUSE_END - DG_CO_CAUSES] = {
 static const struct dg_store_region regions[REGION_COUNT] = {
     DG_CO_STORE_REGIONS(default_bus),
     [REGION_PROFILE] = {"profile", 60, DG_STORE_CHECKED, 0, NULL},
-    [REGION_USF]     = {"usf",     21, DG_STORE_CHECKED, 0, default_usf},
-    [REGION_TIME]    = {"time",     4, DG_STORE_CHECKED, 0, default_time},
+    [REGION_USF]     = {"usf",     21, DG_STORE_CHECKED, 0, dg_cia406_default_usf},
+    [REGION_TIME]    = {"time",     4, DG_STORE_CHECKED, 0, dg_cia406_default_time},
 };
 /* clang-format on */
 
@@ -328,7 +327,7 @@ static const char *const strings[] = {"F36x8 CANopen encoder", "1.00", "1.08"};
     .figure_count = FIGURE_COUNT, .kbaud = kbaud, .kbaud_count = DG_COUNT(kbaud), .save_ms = 14,   \
     .causes = causes, .cause_count = CAUSE_END - DG_CO_CAUSES, .strings = strings,                 \
     .vendor_id = 0x13, .product_code = 0x56682001, .revision = 108, .reset = reset,                \
-    .sample = dg_cia406_sample, .step = step
+    .sample = dg_cia406_sample, .step = dg_cia406_step_node
 
 const struct dg_co_device dg_cia406_singleturn = {
     F36X8(singleturn),

@@ -85,6 +85,13 @@ static inline bool parameter(const struct dg_co_node *node, uint32_t bit)
 /** `ms` from now on. */
 dg_ns dg_cia406_in_ms(const struct dg_co_node *node, uint32_t ms);
 
+/* cia406.c */
+/** Supervision now and then; in event mode every millisecond whether a position has changed. */
+dg_ns dg_cia406_step_node(struct dg_co_node *node);
+/** As delivered: nothing is scaled, no time has passed. */
+void dg_cia406_default_usf(const void *ctx, uint8_t *out);
+void dg_cia406_default_time(const void *ctx, uint8_t *out);
+
 /* position.c */
 /** Physical counts of the shaft since angle 0, unbounded. */
 int64_t dg_cia406_counts(const struct dg_co_node *node, dg_ns at);
