@@ -27,9 +27,6 @@ GUEST = re.compile(r"platform/linux/(can/can_(socket|link)\.c|clocked/gpio_(bus|
 
 # The whole suite of the core in virtual time, which all of src/ is judged by.
 VIRTUAL = r"unit\.|conformance\."
-# How much those try that can try more; what takes half a minute then tries what is usual.
-THOROUGH = {"DREHGEBER_THOROUGH": "1"}
-USUAL = {"unit.host_forged"}
 
 # All tests of the Python package, which judge each module behind its own ones: what takes seconds comes last.
 PACKAGE = (r"python\.package/(?!can|encoder|package|rig)", r"python\.package/(?!package|rig_readers)",
@@ -40,6 +37,7 @@ PACKAGE = (r"python\.package/(?!can|encoder|package|rig)", r"python\.package/(?!
 JUDGES = {
     "src/": [VIRTUAL],
     "src/core/": [r"unit\.(angle|bits|crc|store|time|world|ram_nvm)|unit\.(hf_memory|co_storage|ib_memory)", VIRTUAL],
+    "src/bus/": [r"unit\.bus_", VIRTUAL],
     "src/motion/": [r"unit\.(motion|shaft|steer)", VIRTUAL],
     "src/hiperface/": [r"unit\.(hf_|words)|conformance\.hiperface", VIRTUAL],
     "src/biss/": [r"unit\.biss|conformance\.biss", VIRTUAL],
@@ -152,7 +150,9 @@ def room_of(path):
 def judges_of(path):
     """Patterns of the names of tests, in their order."""
     begin = max((begin for begin in JUDGES if path.startswith(begin)), key=len, default=None)
-    return JUDGES[begin] if begin else []
+    patterns = JUDGES[begin] if begin else []
+    # Those that can try more do so at the end, but for the last pattern: that names everybody else's.
+    return [*patterns, *(pattern.replace(r"unit\.", r"thorough\.") for pattern in patterns[:-1])]
 
 
 def sources_of(room, root):

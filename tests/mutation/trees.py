@@ -38,7 +38,7 @@ class Test(NamedTuple):
     @property
     def in_virtual_time(self):
         """It passes or fails whatever the machine does meanwhile."""
-        return self.name.startswith(("unit.", "conformance.", "golden."))
+        return self.name.startswith(("unit.", "thorough.", "conformance.", "golden."))
 
     def only(self, case):
         """One case of pytest."""
@@ -90,7 +90,7 @@ def read_test(entry):
     command = entry.get("command")
     if not command or "PASS_REGULAR_EXPRESSION" in properties:
         return
-    folder = "" if entry["name"].startswith("unit.") else properties["WORKING_DIRECTORY"]
+    folder = "" if entry["name"].startswith(("unit.", "thorough.")) else properties["WORKING_DIRECTORY"]
     test = Test(entry["name"], command, environment, folder, max(WALL_S, properties.get("TIMEOUT", 0)))
     if "pytest" not in command:
         yield test
@@ -169,9 +169,6 @@ class Tree:
         for place in places:
             free.put(place)
         chosen = [at for at, test in enumerate(self.tests) if re.match(pattern, test.name)]
-        for at in chosen:
-            more = {} if self.tests[at].name in rooms.USUAL else rooms.THOROUGH
-            self.tests[at] = self.tests[at]._replace(environment=self.tests[at].environment | more)
         with concurrent.futures.ThreadPoolExecutor(len(places)) as pool:
             for at, outcome in zip(chosen, pool.map(try_out, [self.tests[at] for at in chosen])):
                 if not outcome.good:
