@@ -34,6 +34,13 @@ static const struct dg_stack_range ranges[] = {
     DG_STACK_BOOL(dg_biss, communication_off),
 };
 
+/* No key sets it, so the rows of keys do not look at it: it is the model's. */
+static bool knows_registers_alike(const struct dg_biss_model *mine, const void *settings)
+{
+    return memcmp((const uint8_t *)settings + offsetof(struct dg_biss_model, unidirectional),
+                  &mine->unidirectional, sizeof mine->unidirectional) == 0;
+}
+
 static bool fits(const void *own, const void *settings, const void *device)
 {
     const struct dg_biss_model *mine = own;
@@ -43,7 +50,7 @@ static bool fits(const void *own, const void *settings, const void *device)
     memcpy(&model, settings, sizeof model);
     memcpy(&self, device, sizeof self);
     model.form = mine->form; /* which form frames have is not in the state */
-    return dg_biss_model_ok(&model) &&
+    return knows_registers_alike(mine, settings) && dg_biss_model_ok(&model) &&
            (self.control.id <= ID_MAX || self.control.id == DG_BISS_NO_ID);
 }
 
