@@ -102,9 +102,14 @@ def test_notify_socket(start, tmp_path):
         encoder.end()
 
 
+def patient_master(encoder, **options):
+    """It waits as long as a busy disk makes it; test_slow_disk looks how long that may be."""
+    return encoder.master(grace_s=PATIENCE_S, **options)
+
+
 def test_acknowledged_data_survives_kill(start, nvm):
     encoder = start("--nvm", nvm, "--serial", "246813579")
-    master = encoder.master()
+    master = patient_master(encoder)
     master.create_field(0, FieldStatus(64, code_number=1))
     master.save_data(0, 3, b"drive parameters")
     master.modify_access_code(2, 0x55, 0x66)
@@ -113,7 +118,7 @@ def test_acknowledged_data_survives_kill(start, nvm):
     master.increment_counter()
     encoder.end(signal.SIGKILL)
 
-    master = start("--nvm", nvm).master(address=0x4C)
+    master = patient_master(start("--nvm", nvm), address=0x4C)
     assert master.read_data(0, 0, 20) == b"\xff" * 3 + b"drive parameters" + b"\xff"
     assert master.available_memory() == (1792 - 64, 1)
     assert master.read_counter() == 1
@@ -126,7 +131,7 @@ def test_kill_at_any_moment(start, nvm):
     value, rounds = 0, 5
     for number in range(rounds):
         encoder = start("--nvm", nvm, "--set", "pace=0")
-        master = encoder.master()
+        master = patient_master(encoder)
         assert master.read_status() == 0
         assert master.read_counter() in (value, value + 1)  # the last one was not acknowledged
         value = master.read_counter()
@@ -141,7 +146,7 @@ def test_kill_at_any_moment(start, nvm):
 
 def test_without_memory_state_is_lost(start):
     encoder = start()
-    encoder.master().increment_counter()
+    patient_master(encoder).increment_counter()
     encoder.end()
     assert start().master().read_counter() == 0
 
@@ -157,7 +162,7 @@ def test_memory_in_use(start, nvm):
     assert str(first.pid) in line and str(nvm) in line
     assert first.master().read_position() == 0
     first.end(signal.SIGKILL)
-    assert start("--nvm", nvm).master().read_position() == 0
+    assert patient_master(start("--nvm", nvm)).read_position() == 0
 
 
 @pytest.mark.parametrize("content", [b"[section]\nkey = value\n", bytes(range(256)) * 64],
@@ -174,7 +179,7 @@ def test_foreign_file_is_left_alone(nvm, content):
 
 def test_truncated_image_loses_data_openly(start, nvm):
     encoder = start("--nvm", nvm, "--set", "pace=0")
-    master = encoder.master()
+    master = patient_master(encoder)
     for number in range(14):
         master.create_field(number, FieldStatus(128))
         master.save_data(number, 0, bytes([number]) * 128)
@@ -182,7 +187,7 @@ def test_truncated_image_loses_data_openly(start, nvm):
     os.truncate(nvm, nvm.stat().st_size - 300)
     encoder = start("--nvm", nvm, "--set", "pace=0")
     assert_one_line(encoder, str(nvm))
-    master = encoder.master()
+    master = patient_master(encoder)
     lost = 0
     for number in range(14):
         try:
@@ -198,7 +203,7 @@ def test_truncated_image_is_a_damaged_memory(start, nvm):
     os.truncate(nvm, nvm.stat().st_size // 50)
     encoder = start("--nvm", nvm)
     assert_one_line(encoder, str(nvm))
-    master = encoder.master()
+    master = patient_master(encoder)
     with pytest.raises(EncoderError) as refused:
         master.read_position()
     assert refused.value.code == 0x02 and master.warning
@@ -231,7 +236,7 @@ def test_damaged_memory_is_found(start, nvm):
     assert b"897867564" in image
     nvm.write_bytes(image.replace(b"897867564", b"997867564"))
     # The serial number shares its check sum with the type code: 05h and 06h (5.1.3.5).
-    master = start("--nvm", nvm).master()
+    master = patient_master(start("--nvm", nvm))
     assert master.read_position() == 0 and master.warning
     with pytest.raises(EncoderError) as refused:
         master.identity()
@@ -249,12 +254,12 @@ def test_no_room_at_first_start(start, nvm):
 
     line = run_refused(1, "run", MULTITURN, "--pty", "--nvm", nvm, preexec_fn=no_room)
     assert str(nvm) in line
-    assert start("--nvm", nvm).master().read_counter() == 0
+    assert patient_master(start("--nvm", nvm)).read_counter() == 0
 
 
 def test_disk_full_while_running(start, nvm):
     encoder = start("--nvm", nvm)
-    master = encoder.master()
+    master = patient_master(encoder)
     master.create_field(0, FieldStatus(16))
     master.save_data(0, 0, b"before")
     encoder.limit_file_size(0)
@@ -270,7 +275,7 @@ def test_disk_full_while_running(start, nvm):
     master.save_data(0, 0, b"after!")
     encoder.errors.so_far()  # it may say that the disk is back
     encoder.end(signal.SIGKILL)
-    assert start("--nvm", nvm).master().read_data(0, 0, 6) == b"after!"
+    assert patient_master(start("--nvm", nvm)).read_data(0, 0, 6) == b"after!"
 
 
 def lose(nvm, tmp_path, how):
@@ -285,7 +290,7 @@ def lose(nvm, tmp_path, how):
 @pytest.mark.parametrize("how", ["deleted", "replaced"])
 def test_a_file_lost_while_running_takes_no_writes(start, nvm, tmp_path, how):
     encoder = start("--nvm", nvm)
-    master = encoder.master()
+    master = patient_master(encoder)
     master.create_field(0, FieldStatus(16))
     master.save_data(0, 0, b"before")
     lose(nvm, tmp_path, how)
@@ -298,19 +303,19 @@ def test_a_file_lost_while_running_takes_no_writes(start, nvm, tmp_path, how):
     assert master.read_position() == 0
     encoder.end()
     if how == "replaced":  # and the other file is as it was
-        assert start("--nvm", nvm).master().read_data(0, 0, 6) == b"before"
+        assert patient_master(start("--nvm", nvm)).read_data(0, 0, 6) == b"before"
 
 
 def test_a_file_cut_off_while_running_is_made_whole(start, nvm):
     encoder = start("--nvm", nvm)
-    master = encoder.master()
+    master = patient_master(encoder)
     master.create_field(0, FieldStatus(16))
     master.save_data(0, 0, b"before")
     os.truncate(nvm, 0)
     master.save_data(0, 6, b"after")
     assert_one_line(encoder, str(nvm), "cut off to 0 bytes")
     encoder.end(signal.SIGKILL)
-    assert start("--nvm", nvm).master().read_data(0, 0, 11) == b"beforeafter"
+    assert patient_master(start("--nvm", nvm)).read_data(0, 0, 11) == b"beforeafter"
 
 
 def test_a_node_without_its_file_says_what_it_answers(start, nvm):
