@@ -45,7 +45,7 @@ MODELS, EXCHANGES = "tests/support/host_rig.c", "tests/unit/test_host.c"
 ROWS = {
     "eleven": [
         (PROTOCOLS, '#include "drehgeber/hiperface.h"\n', '#include "drehgeber/eleven.h"\n'),
-        (PROTOCOLS, "\n\n/** ROW(PREFIX) for those", " ROW(eleven)"),
+        (PROTOCOLS, "\n\n/** ROW(PREFIX) for those that have dg_PREFIX_words", " ROW(eleven)"),
         (PROTOCOLS, "ROW(hf) ROW(cia406)", "ROW(eleven) "),
         (PROTOCOLS, "ROW(f3658) ", "ROW(eleven_24) "),
         (MESON, "  'src/devices/f36x8.c',\n", "  'src/devices/eleven.c',\n"),
@@ -65,7 +65,7 @@ ROWS = {
     ],
     "tenbit": [
         (PROTOCOLS, "\n/** ROW(PREFIX) for each protocol:", '#include "drehgeber/tenbit.h"\n'),
-        (PROTOCOLS, "\n\n/** ROW(PREFIX) for those", " ROW(tenbit)"),
+        (PROTOCOLS, "\n\n/** ROW(PREFIX) for those that have dg_PREFIX_words", " ROW(tenbit)"),
         (PROTOCOLS, "ROW(f3658) ", "ROW(tenbit_low) ROW(tenbit_high) "),
         (MESON, "  'src/eleven/host.c',\n", "  'src/devices/tenbit.c',\n"),
         (MESON, "  'src/words/line.c',\n",
