@@ -7,9 +7,7 @@ from contextlib import contextmanager
 import canopen
 import pytest
 
-from can_rig import PATIENCE_S, PROGRAM, on_slcan, run
-
-pytestmark = pytest.mark.skipif(not on_slcan(), reason="the wire is SLCAN")
+from can_rig import PATIENCE_S, PROGRAM, WIRE, on_slcan, run
 
 OBJECTS = [  # index, type, access, default, mappable
     ("1000", 7, "ro", "0x00020196", 0),
@@ -42,13 +40,14 @@ def vendor(tmp_path):
 @contextmanager
 def encoder(folder, path, *options):
     """Node 5 of the file, as python-canopen sees it."""
-    link = folder / "can"
-    with subprocess.Popen([PROGRAM, "run", path, f"--slcan={link}", "--node", "5", *options],
+    link = folder / "can" if on_slcan() else WIRE
+    wire = f"--slcan={link}" if on_slcan() else f"--can={link}"
+    with subprocess.Popen([PROGRAM, "run", path, wire, "--node", "5", *options],
                           stdout=subprocess.PIPE, text=True) as process:
         network = canopen.Network()
         try:
             assert process.stdout.readline().startswith("ready acme-3600")
-            network.connect(interface="slcan", channel=str(link), bitrate=250000)
+            network.connect(interface="slcan" if on_slcan() else "socketcan", channel=str(link), bitrate=250000)
             yield network.add_node(5, str(path))
         finally:
             network.disconnect()
