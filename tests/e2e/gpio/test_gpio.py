@@ -64,6 +64,8 @@ def test_rate_is_measured_and_told(start, master):
     for life in range(6):
         assert read(master, MULTITURN) == (0, 0, 1, 1, life)
     line = encoder.errors.wait()
+    if "of 1 frames" in line:  # the first one of a cold program was late
+        line = encoder.errors.wait()
     said = re.search(r"within (\d+) us of the kernel's time of an edge: a clock up to (\d+) Hz is right "
                      r"for all of (\d+) frames seen \(99\.9 % is known after 3000\); .* unknown", line)
     reaction_us, rate_hz, frames = map(int, said.groups())
