@@ -30,6 +30,12 @@ def test_a_frame_has_all_of_them():
     assert [frame.life - before.life for frame, before in zip(chain.frame(), frames)] == [1, 1, 1]
 
 
+@pytest.mark.parametrize("angle", ["0DEG", "123.456789DEG", "-0.001DEG", "5.2501REV"])
+def test_a_chain_of_one_is_read_as_one_alone(angle):
+    chain, alone = (Encoder("s3684-biss", shaft=Shaft(Clock(), angle)) for _ in range(2))
+    assert Chain([chain]).frame()[0][2:] == alone.biss.frame()[2:]
+
+
 def test_each_has_its_registers():
     chain = chain_of("s3684-biss", "s3674-biss")
     for place, encoder in enumerate(chain.encoders):

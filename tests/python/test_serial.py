@@ -138,6 +138,14 @@ def test_long_requests():
         assert port.read(7) == AT_90
 
 
+@pytest.mark.parametrize("line", ["cts", "dsr", "cd", "ri"])
+def test_a_closed_port_has_no_lines(line):
+    with open_port() as port:
+        pass
+    with pytest.raises(serial.PortNotOpenError):
+        getattr(port, line)
+
+
 def test_lines_of_a_modem_and_a_break():
     with open_port() as port:
         port.rts = port.dtr = False

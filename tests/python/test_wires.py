@@ -287,6 +287,7 @@ def test_the_line_of_the_next_encoder_goes_through():
             bits.append(encoder.biss.clock(i % 2 == 1))
             encoder.clock.advance(0.5e-6)
         shown.append(bits[-1])
+        assert encoder.biss.sli(level) is level
         encoder.clock.advance(0.001)
         assert encoder.biss.frame().good
     assert shown == [False, True]
