@@ -204,7 +204,7 @@ static void on_line(void *ctx, const struct dg_words_line *line)
 /* The words of the wire, which its first event asks for: then the plan is known. */
 static void begin_words(struct recorder *self)
 {
-    const struct dg_words *words = lx_stack_of(self->rig.plan.encoders[0].model)->words;
+    const struct dg_words *words = dg_words_of(self->rig.plan.encoders[0].model->stack);
     if (words != NULL && words->size > sizeof self->memory) {
         give_up("the recorder has no memory for these words", self->name);
     }

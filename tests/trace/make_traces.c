@@ -138,7 +138,7 @@ int main(int argc, char *argv[])
     const struct lx_trace_setup setup = {
         .path = argv[3],
         .kind = stacks[stack].stack->trace,
-        .words = stacks[stack].stack->words,
+        .words = dg_words_of(stacks[stack].stack->core),
         .wire = argv[2],
         .tap = &tap,
     };

@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "columns.h"
+#include "trace.h"
 
 const char help_intro[] =
     "  drehgeber run s3684-rs485 --pty=enc --shaft 60RPM --nvm enc.nvm\n"
@@ -283,7 +284,7 @@ static bool print_stack(const struct command_row *row, const struct lx_stack *st
     (void)fclose(to);
     const bool factory = strstr(lines, "(factory)") != NULL;
     if (strncmp(lines, "  ", 2) == 0) {
-        (void)printf("\n KEY=VALUE of %s%s:\n", device == NULL ? stack->title : device->name,
+        (void)printf("\n KEY=VALUE of %s%s:\n", device == NULL ? stack->trace->title : device->name,
                      device == NULL ? " encoders" : "");
     } else if (lines[0] != '\0') {
         (void)fputs("\n KEY=VALUE", stdout);

@@ -16,6 +16,7 @@
 #include "drehgeber/interbus.h"
 #include "eds_file.h"
 #include "options.h"
+#include "trace.h"
 #include "wire.h"
 
 /* Node-IDs asked for; 0: as delivered. */
@@ -70,7 +71,8 @@ static const struct dg_device *ring_model(const char *name, size_t n, const char
     struct lx_words right = {"valid:"};
     lx_stack_models(ring_stack(), &right);
     lx_words_add(&right, ", several with commas between them");
-    (void)lx_refuse(error, right.text, "'%.*s' is no %s model", (int)n, name, ring_stack()->title);
+    (void)lx_refuse(error, right.text, "'%.*s' is no %s model", (int)n, name,
+                    ring_stack()->trace->title);
     (void)lx_about(error, LX_ABOUT_KEY, "ring", asked);
     return NULL;
 }

@@ -88,7 +88,7 @@ static int open_trace(struct wire_session *self, const struct options *options, 
     const struct lx_trace_setup trace = {
         .path = options->trace,
         .kind = stack->trace,
-        .words = stack->words,
+        .words = dg_words_of(stack->core),
         .wire = options->model,
         .tap = &self->tap,
     };

@@ -10,6 +10,7 @@
 #include "help.h"
 #include "manual.h"
 #include "motion_words.h"
+#include "trace.h"
 
 /* So that nothing of it is a request, an escape or a typographer's dash or quote. */
 static void put_n(const char *text, size_t n)
@@ -162,7 +163,7 @@ static void put_settings(const struct lx_stack *stack)
     }
     (void)fclose(to);
     (void)fputs(".SS KEY=VALUE of ", stdout);
-    put(stack == NULL ? "what" : stack->title);
+    put(stack == NULL ? "what" : stack->trace->title);
     (void)puts(stack == NULL ? " encoders sense" : " encoders");
     put_keys(lines);
     free(lines);

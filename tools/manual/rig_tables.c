@@ -6,6 +6,7 @@
 
 #include "key.h"
 #include "manual.h"
+#include "trace.h"
 
 /* A bar would end the cell. */
 static void print_cell(const char *text)
@@ -111,7 +112,7 @@ static void print_encoders_of(const struct lx_stack *stack, const struct dg_devi
     if (settings != NULL) {
         lx_stack_deliver(stack, model, settings);
         lx_stack_keys(stack, NULL, settings, NULL, lists);
-        (void)printf("\n%s; defaults are those of `%s`:\n\n", stack->title, model->name);
+        (void)printf("\n%s; defaults are those of `%s`:\n\n", stack->trace->title, model->name);
         (void)puts("| key | takes | default | what it is |");
         (void)puts("|---|---|---|---|");
         print_list(&lists[LX_STACK_OWN]);

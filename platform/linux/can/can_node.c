@@ -16,17 +16,10 @@ static uint32_t without(const struct dg_device *device)
     return dg_cia406_without(dg_cia406_model_of(device));
 }
 
-static const char title[] = "CAN";
-static const struct lx_trace_format *const formats[] = {&lx_trace_log, &lx_trace_pcapng,
-                                                        &lx_trace_pcap, NULL};
-static const struct lx_trace_kind trace = {title, formats, false};
-
 const struct lx_stack lx_can_stack = {
     .core = &dg_cia406_stack,
     .handle = &dg_cia406_wire,
-    .title = title,
-    .trace = &trace,
-    .words = &dg_cia406_words,
+    .trace = &(const struct lx_trace_kind){"CAN", {&lx_trace_log, &lx_trace_pcapng}, false},
     .wire = "slcan",
     .spoiled = "the encoder answers abort 06060000h",
     .without = without,

@@ -267,16 +267,11 @@ static int check(const void *settings, struct lx_error *error)
                      (double)model->busy / 1000.0, (double)model->busy_jitter / 1000.0);
 }
 
-static const char title[] = "BiSS";
 static const struct lx_trace_format vcd = LX_TRACE_CLOCKED("biss", CLOCK_NAME, DATA_NAME);
-static const struct lx_trace_format *const formats[] = {&vcd, NULL};
-static const struct lx_trace_kind trace = {title, formats, false};
-
 const struct lx_stack lx_biss_stack = {
     .core = &dg_biss_stack,
     .handle = &dg_biss_wire,
-    .title = title,
-    .trace = &trace,
+    .trace = &(const struct lx_trace_kind){"BiSS", {&vcd}, false},
     .clocked = &lx_clocked_biss,
     .wire = "sim",
     .spoiled = "the encoder answers P = 1",

@@ -293,16 +293,11 @@ static int check(const void *settings, struct lx_error *error)
                      model->singleturn_bits);
 }
 
-static const char title[] = "SSI";
 static const struct lx_trace_format vcd = LX_TRACE_CLOCKED("ssi", CLOCK_NAME, DATA_NAME);
-static const struct lx_trace_format *const formats[] = {&vcd, NULL};
-static const struct lx_trace_kind trace = {title, formats, false};
-
 const struct lx_stack lx_ssi_stack = {
     .core = &dg_ssi_stack,
     .handle = &dg_ssi_wire,
-    .title = title,
-    .trace = &trace,
+    .trace = &(const struct lx_trace_kind){"SSI", {&vcd}, false},
     .clocked = &lx_clocked_ssi,
     .wire = "sim",
     .instead = &monoflop,

@@ -2,16 +2,10 @@
 #include "modbus_settings.h"
 #include "trace_format.h"
 
-static const char title[] = "INTERBUS";
-static const struct lx_trace_format *const formats[] = {&lx_trace_csv, NULL};
-static const struct lx_trace_kind trace = {title, formats, false};
-
 const struct lx_stack lx_ib_stack = {
     .core = &dg_ib_stack,
     .handle = &dg_ib_wire,
-    .title = title,
-    .trace = &trace,
-    .words = &dg_ib_words,
+    .trace = &(const struct lx_trace_kind){"INTERBUS", {&lx_trace_csv}, false},
     .wire = "modbus",
     .spoiled = "the encoder answers 86000000h",
     .is_ring = true,

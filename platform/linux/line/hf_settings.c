@@ -35,16 +35,10 @@ static int check(const void *settings, struct lx_error *error)
     return check_steps(model, error);
 }
 
-static const char title[] = "RS485";
-static const struct lx_trace_format *const formats[] = {&lx_trace_uart, NULL};
-static const struct lx_trace_kind trace = {title, formats, true};
-
 const struct lx_stack lx_hf_stack = {
     .core = &dg_hf_stack,
     .handle = &dg_hf_wire,
-    .title = title,
-    .trace = &trace,
-    .words = &dg_hf_words,
+    .trace = &(const struct lx_trace_kind){"RS485", {&lx_trace_uart}, true},
     .wire = "pty",
     .baud = 38400,
     .spoiled = "the encoder answers 05h",

@@ -14,15 +14,12 @@
 
 struct lx_clocked_protocol;
 struct lx_trace_kind;
-struct dg_words;
 
 /** A protocol of a port. */
 struct lx_stack {
     const struct dg_stack *core;
     const struct dg_host_wire *handle; /**< settings of its encoders begin with the handle's */
-    const char *title;                 /**< of its wires, for messages, e.g. "RS485" */
-    const struct lx_trace_kind *trace; /**< of its wires */
-    const struct dg_words *words;      /**< likewise; NULL: only notes are told */
+    const struct lx_trace_kind *trace; /**< of its wires, and what messages call them */
     const struct lx_clocked_protocol *clocked; /**< on a clocked line; NULL: it is on none */
     const char *wire;                          /**< the kind of wire when none is given */
     uint32_t baud;       /**< characters: the fastest data rate that its encoders have */

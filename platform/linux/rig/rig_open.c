@@ -536,7 +536,7 @@ bool lx_rig_mixed(const struct lx_rig_wire *self)
 
 const struct dg_words *lx_rig_words(const struct lx_rig_wire *self)
 {
-    return lx_rig_mixed(self) ? NULL : lx_rig_stack(self)->words;
+    return lx_rig_mixed(self) ? NULL : dg_words_of(lx_rig_stack(self)->core);
 }
 
 int lx_rig_announce(struct lx_rig *self, struct lx_error *error)

@@ -25,17 +25,21 @@ static const struct lx_trace_format *find(const char *path, const struct lx_trac
                                           struct lx_error *error)
 {
     struct lx_words right = {""};
-    if (kind->formats == NULL) {
-        (void)lx_fail(error, "%s: what goes over %s cannot be traced", path, kind->wire);
+    if (kind->formats[0] == NULL) {
+        (void)lx_fail(error, "%s: what goes over %s cannot be traced", path, kind->title);
         return NULL;
     }
     for (size_t i = 0; kind->formats[i] != NULL; i++) {
-        if (ends_in(path, kind->formats[i]->ending)) {
-            return kind->formats[i];
+        const struct lx_trace_format *format = kind->formats[i];
+        const bool known = format->also != NULL && ends_in(path, format->also);
+        if (known || ends_in(path, format->ending)) {
+            return format;
         }
-        lx_words_add(&right, "%s%s", i == 0 ? "" : ", ", kind->formats[i]->ending);
+        lx_words_add(&right, "%s%s", i == 0 ? "" : ", ", format->ending);
+        lx_words_add(&right, "%s%s", format->also == NULL ? "" : ", ",
+                     format->also == NULL ? "" : format->also);
     }
-    (void)lx_fail(error, "%s: the name of a trace of %s ends in %s", path, kind->wire, right.text);
+    (void)lx_fail(error, "%s: the name of a trace of %s ends in %s", path, kind->title, right.text);
     return NULL;
 }
 

@@ -24,11 +24,14 @@ struct lx_trace;
 
 struct lx_trace_format;
 
+/** Most formats of a kind of trace. */
+#define LX_TRACE_FORMATS 2u
+
 /** What can be traced of the wires of a protocol. */
 struct lx_trace_kind {
-    const char *wire;                             /**< for messages, e.g. "RS485" */
-    const struct lx_trace_format *const *formats; /**< NULL behind the last; NULL: nothing can */
-    bool sincos;                                  /**< there are analog signals beside the wire */
+    const char *title; /**< of the wires, for messages, e.g. "RS485" */
+    const struct lx_trace_format *formats[LX_TRACE_FORMATS + 1u]; /**< NULL behind the last */
+    bool sincos; /**< there are analog signals beside the wire */
 };
 
 /** What a trace is made of. The tap must outlive it. */

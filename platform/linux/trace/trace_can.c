@@ -182,13 +182,7 @@ static void pcapng_event(struct lx_trace *self, const struct dg_tap_event *event
 
 const struct lx_trace_format lx_trace_pcapng = {
     .ending = ".pcapng",
-    .mark = PCAPNG_MARK,
-    .size = 1,
-    .begin = pcapng_begin,
-    .event = pcapng_event,
-};
-const struct lx_trace_format lx_trace_pcap = {
-    .ending = ".pcap",
+    .also = ".pcap",
     .mark = PCAPNG_MARK,
     .size = 1,
     .begin = pcapng_begin,

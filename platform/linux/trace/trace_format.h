@@ -16,6 +16,7 @@
 /** How a kind of file is written. Errors of `file` are seen by the caller, after each call. */
 struct lx_trace_format {
     const char *ending;
+    const char *also;                     /**< an ending that means the same; NULL: none does */
     struct lx_file_mark mark;             /**< n 0: none */
     size_t size;                          /**< of the format's own state */
     void (*begin)(struct lx_trace *self); /**< NULL: nothing, likewise `end` */
@@ -52,8 +53,7 @@ struct lx_trace {
     }
 
 /** The formats. */
-extern const struct lx_trace_format lx_trace_uart, lx_trace_log, lx_trace_pcapng, lx_trace_pcap,
-    lx_trace_csv;
+extern const struct lx_trace_format lx_trace_uart, lx_trace_log, lx_trace_pcapng, lx_trace_csv;
 
 /** Texts of a VCD file that wait for their turn. */
 #define LX_VCD_TEXTS 16u

@@ -108,7 +108,7 @@ static void begin_with(struct bench *self, dg_ns now, const struct dg_words *wor
 
 static void begin(struct bench *self, dg_ns now)
 {
-    begin_with(self, now, lx_hf_stack.words);
+    begin_with(self, now, &dg_hf_words);
 }
 
 static dg_ns whole(dg_ns at)

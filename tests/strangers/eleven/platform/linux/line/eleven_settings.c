@@ -7,16 +7,10 @@
 
 static const struct dg_key keys[] = {LX_LINE_KEYS(LINE)};
 
-static const char title[] = "eleven characters";
-static const struct lx_trace_format *const formats[] = {&lx_trace_uart, NULL};
-static const struct lx_trace_kind trace = {title, formats, false};
-
 const struct lx_stack lx_eleven_stack = {
     .core = &dg_eleven_stack,
     .handle = &dg_eleven_wire,
-    .title = title,
-    .trace = &trace,
-    .words = &dg_eleven_words,
+    .trace = &(const struct lx_trace_kind){"eleven characters", {&lx_trace_uart}, false},
     .wire = "pty",
     .baud = DG_ELEVEN_BAUD,
     .own = {keys, DG_COUNT(keys)},

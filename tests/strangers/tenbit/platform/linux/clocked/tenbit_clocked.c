@@ -93,16 +93,12 @@ static const struct lx_clocked_protocol protocol = {
 
 /* --- what a plan knows of it --- */
 
-static const char title[] = "ten bits";
 static const struct lx_trace_format vcd = LX_TRACE_CLOCKED("tenbit", "CLOCK", "DATA");
-static const struct lx_trace_format *const formats[] = {&vcd, NULL};
-static const struct lx_trace_kind trace = {title, formats, false};
 
 const struct lx_stack lx_tenbit_stack = {
     .core = &dg_tenbit_stack,
     .handle = &dg_tenbit_wire,
-    .title = title,
-    .trace = &trace,
+    .trace = &(const struct lx_trace_kind){"ten bits", {&vcd}, false},
     .clocked = &protocol,
     .wire = "sim",
 };
