@@ -4,6 +4,7 @@
 #include <errno.h>
 #include <stdarg.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #define DELETE 0x7F
@@ -70,6 +71,15 @@ int lx_refuse(struct lx_error *error, const char *right, const char *format, ...
     const int result = refuse_v(error, right, format, arguments);
     va_end(arguments);
     return result;
+}
+
+void *lx_allocate(size_t size, const char *what, struct lx_error *error)
+{
+    void *memory = calloc(1, size);
+    if (memory == NULL) {
+        (void)lx_fail(error, "no memory for %s", what);
+    }
+    return memory;
 }
 
 int lx_about(struct lx_error *error, enum lx_about about, const char *key, const char *value)

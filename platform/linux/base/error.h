@@ -71,6 +71,9 @@ int lx_refuse(struct lx_error *error, const char *right, const char *format, ...
 /** What would be right after a call that gave this errno, where more of something is; else NULL. */
 const char *lx_more_of(int reason);
 
+/** Zeroed memory for `what`, e.g. "a pty"; the caller's, for free(). @return NULL with `error` */
+void *lx_allocate(size_t size, const char *what, struct lx_error *error);
+
 /** Say what it is about, unless that was said nearer to it. `value` NULL: not to be told. */
 int lx_about(struct lx_error *error, enum lx_about about, const char *key, const char *value);
 

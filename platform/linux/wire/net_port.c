@@ -7,7 +7,6 @@
  */
 #define _GNU_SOURCE
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "drehgeber/api.h"
@@ -185,6 +184,7 @@ static int open_net(struct lx_serial *serial, struct lx_error *error)
         .byte = on_byte,
         .ctx = self,
     };
+    self->peers.listener = -1;
     if (prefix == NULL) {
         return lx_net_port_check(serial->setup.where, error);
     }
@@ -211,15 +211,5 @@ static const struct lx_serial_ops net_ops = {
 
 struct lx_serial *lx_net_port_open(const struct lx_serial_setup *setup, struct lx_error *error)
 {
-    struct net_port *self = calloc(1, sizeof *self);
-    if (self == NULL) {
-        (void)lx_fail(error, "no memory for a port");
-        return NULL;
-    }
-    self->peers.listener = -1;
-    if (lx_serial_start(&self->serial, &net_ops, setup, error) != 0) {
-        lx_serial_close(&self->serial);
-        return NULL;
-    }
-    return &self->serial;
+    return lx_serial_make(&net_ops, sizeof(struct net_port), setup, error);
 }

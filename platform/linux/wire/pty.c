@@ -94,11 +94,7 @@ static void shut_pty(struct lx_serial *serial)
         (void)close(self->slave);
     }
     self->slave = -1;
-}
-
-static void close_pty(struct lx_serial *serial)
-{
-    lx_timer_close(&pty_of(serial)->settled);
+    lx_timer_close(&self->settled);
 }
 
 /* The lock on a pty's slave side that says who made this link to it: its place is the link's
@@ -205,44 +201,33 @@ static int open_pair(struct pty *self)
 static int open_pty(struct lx_serial *serial, struct lx_error *error)
 {
     struct pty *self = pty_of(serial);
+    self->slave = -1;
+    int result = lx_timer_open(&self->settled, serial->setup.event, keep_changeable, self);
+    if (result < 0) {
+        return lx_fail(error, "no timer: %s", strerror(-result));
+    }
     if (open_pair(self) != 0) {
         const char *right =
             errno == ENOSPC ? "a higher kernel.pty.max is right" : lx_more_of(errno);
         return lx_refuse(error, right, "cannot make a pty: %s", strerror(errno));
     }
-    const int result = lx_serial_watch(serial);
+    result = lx_serial_watch(serial);
     if (result < 0) {
         return lx_fail(error, "cannot watch the pty: %s", strerror(-result));
     }
     return serial->setup.where == NULL ? 0 : make_link(self, error);
 }
 
-/* Only when the pty system itself fails: the slave side is never closed before the other one. */
+/* Gone: only when the pty system itself fails, the slave side is never closed before the other one.
+ */
 static const struct lx_serial_ops pty_ops = {
     .again = "making another one as soon as possible",
     .open = open_pty,
     .received = received,
     .shut = shut_pty,
-    .close = close_pty,
 };
 
 struct lx_serial *lx_pty_open(const struct lx_serial_setup *setup, struct lx_error *error)
 {
-    struct pty *self = calloc(1, sizeof *self);
-    if (self == NULL) {
-        (void)lx_fail(error, "no memory for a pty");
-        return NULL;
-    }
-    self->slave = -1;
-    const int result = lx_timer_open(&self->settled, setup->event, keep_changeable, self);
-    if (result < 0) {
-        (void)lx_fail(error, "no timer: %s", strerror(-result));
-        free(self);
-        return NULL;
-    }
-    if (lx_serial_start(&self->serial, &pty_ops, setup, error) != 0) {
-        lx_serial_close(&self->serial);
-        return NULL;
-    }
-    return &self->serial;
+    return lx_serial_make(&pty_ops, sizeof(struct pty), setup, error);
 }

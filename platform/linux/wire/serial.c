@@ -165,21 +165,6 @@ static int on_readable(sd_event_source *source, int fd, uint32_t events, void *c
     return 0;
 }
 
-int lx_serial_start(struct lx_serial *self, const struct lx_serial_ops *ops,
-                    const struct lx_serial_setup *setup, struct lx_error *error)
-{
-    self->ops = ops;
-    self->setup = *setup;
-    self->uart = setup->uart;
-    self->sends = setup->uart;
-    self->fd = -1;
-    const int result = lx_timer_open(&self->reopen, setup->event, try_again, self);
-    if (result < 0) {
-        return lx_fail(error, "no timer: %s", strerror(-result));
-    }
-    return ops->open(self, error);
-}
-
 int lx_serial_watch(struct lx_serial *self)
 {
     return sd_event_add_io(self->setup.event, &self->io, self->fd, EPOLLIN, on_readable, self);
@@ -191,11 +176,34 @@ void lx_serial_close(struct lx_serial *self)
         return;
     }
     shut(self);
-    if (self->ops->close != NULL) {
-        self->ops->close(self);
-    }
     lx_timer_close(&self->reopen);
     free(self);
+}
+
+/* Nobody waits for it before the port was there once. */
+static int open_timer(struct lx_serial *self, struct lx_error *error)
+{
+    const int result = lx_timer_open(&self->reopen, self->setup.event, try_again, self);
+    return result < 0 ? lx_fail(error, "no timer: %s", strerror(-result)) : 0;
+}
+
+struct lx_serial *lx_serial_make(const struct lx_serial_ops *ops, size_t size,
+                                 const struct lx_serial_setup *setup, struct lx_error *error)
+{
+    struct lx_serial *self = lx_allocate(size, "a serial port", error);
+    if (self == NULL) {
+        return NULL;
+    }
+    self->ops = ops;
+    self->setup = *setup;
+    self->uart = setup->uart;
+    self->sends = setup->uart;
+    self->fd = -1;
+    if (ops->open(self, error) != 0 || open_timer(self, error) != 0) {
+        lx_serial_close(self);
+        return NULL;
+    }
+    return self;
 }
 
 void lx_serial_set(struct lx_serial *self, const struct lx_uart *uart)

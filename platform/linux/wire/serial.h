@@ -34,7 +34,8 @@ struct lx_silkit;
 /** What a kind of port does in its own way. */
 struct lx_serial_ops {
     const char *again; /**< what is done about one that has gone, for the message */
-    /** Open files, make links, call lx_serial_watch(); also when it is to be back.
+    /** Open files, make links, call lx_serial_watch(); also when it is to be back. The first time
+     * all of its struct is zero but the shared part.
      * @return 0, or -1 with `error`; then shut() cleans up, and self->fd is closed */
     int (*open)(struct lx_serial *self, struct lx_error *error);
     /** The line's UART setting has changed to self->uart. NULL: nobody to tell. */
@@ -50,8 +51,6 @@ struct lx_serial_ops {
     bool (*lasting)(const struct lx_serial *self);
     /** Undo open(), but for self->fd. NULL: nothing. */
     void (*shut)(struct lx_serial *self);
-    /** Undo what is done once. NULL: nothing. */
-    void (*close)(struct lx_serial *self);
 };
 
 /** What a port is made of. Everything pointed to must outlive it. */
@@ -133,9 +132,10 @@ size_t lx_serial_send(struct lx_serial *self, const uint8_t *bytes, size_t n);
 /** Send. Does not block; what nobody takes is lost and counted. */
 void lx_serial_put(struct lx_serial *self, const uint8_t *bytes, size_t n);
 
-/** For the kinds: fill the shared part and open. @return 0, or -1 with `error` */
-int lx_serial_start(struct lx_serial *self, const struct lx_serial_ops *ops,
-                    const struct lx_serial_setup *setup, struct lx_error *error);
+/** For the kinds: make and open one, whose struct has `size` bytes. @return NULL with one line in
+ * `error` */
+struct lx_serial *lx_serial_make(const struct lx_serial_ops *ops, size_t size,
+                                 const struct lx_serial_setup *setup, struct lx_error *error);
 
 /** For the kinds: put self->fd on the event loop. @return 0 or a negative errno */
 int lx_serial_watch(struct lx_serial *self);

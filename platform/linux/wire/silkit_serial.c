@@ -8,7 +8,6 @@
  */
 #define _GNU_SOURCE
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 #include <sys/eventfd.h>
 
@@ -116,14 +115,5 @@ static const struct lx_serial_ops silkit_ops = {
 
 struct lx_serial *lx_silkit_serial_open(const struct lx_serial_setup *setup, struct lx_error *error)
 {
-    struct silkit_serial *self = calloc(1, sizeof *self);
-    if (self == NULL) {
-        (void)lx_fail(error, "no memory for a line");
-        return NULL;
-    }
-    if (lx_serial_start(&self->serial, &silkit_ops, setup, error) != 0) {
-        lx_serial_close(&self->serial);
-        return NULL;
-    }
-    return &self->serial;
+    return lx_serial_make(&silkit_ops, sizeof(struct silkit_serial), setup, error);
 }

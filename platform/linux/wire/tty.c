@@ -8,7 +8,6 @@
 #include <fcntl.h>
 #include <linux/serial.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 #include <sys/ioctl.h>
 #include <sys/stat.h>
@@ -134,6 +133,11 @@ static int open_device(struct tty *self)
 
 static int open_tty(struct lx_serial *serial, struct lx_error *error)
 {
+    char *address = serial->address;
+    const int length = snprintf(address, sizeof serial->address, "%s", serial->setup.where);
+    if (length < 0 || (size_t)length >= sizeof serial->address) {
+        return lx_fail(error, "the path is too long");
+    }
     const int reason = open_device(tty_of(serial));
     if (reason == ENOTTY) {
         return lx_refuse(error, "one such as /dev/ttyUSB0 is right", "not a serial port");
@@ -169,21 +173,5 @@ static const struct lx_serial_ops tty_ops = {
 
 struct lx_serial *lx_tty_open(const struct lx_serial_setup *setup, struct lx_error *error)
 {
-    struct tty *self = calloc(1, sizeof *self);
-    if (self == NULL) {
-        (void)lx_fail(error, "no memory for a port");
-        return NULL;
-    }
-    struct lx_serial *serial = &self->serial;
-    const int length = snprintf(serial->address, sizeof serial->address, "%s", setup->where);
-    if (length < 0 || (size_t)length >= sizeof serial->address) {
-        (void)lx_fail(error, "the path is too long");
-        free(self);
-        return NULL;
-    }
-    if (lx_serial_start(serial, &tty_ops, setup, error) != 0) {
-        lx_serial_close(serial);
-        return NULL;
-    }
-    return serial;
+    return lx_serial_make(&tty_ops, sizeof(struct tty), setup, error);
 }
