@@ -33,12 +33,19 @@ static bool drain(struct lx_can *self)
     return true;
 }
 
+static void pause_wire(struct lx_can *self, bool paused)
+{
+    if (self->ops->pause != NULL) {
+        self->ops->pause(self, paused);
+    }
+}
+
 static void hold(struct lx_can *self)
 {
     if (!self->stalled) {
         self->stalled = true;
         self->counters.stalls++;
-        self->ops->pause(self, true);
+        pause_wire(self, true);
     }
 }
 
@@ -46,7 +53,7 @@ static void release(struct lx_can *self, dg_ns now)
 {
     if (self->stalled) {
         self->stalled = false;
-        self->ops->pause(self, self->crowded);
+        pause_wire(self, self->crowded);
         self->setup.settle(self->setup.ctx, now);
     }
 }
@@ -55,7 +62,7 @@ void lx_can_crowd(struct lx_can *self, bool crowded)
 {
     if (self->crowded != crowded) {
         self->crowded = crowded;
-        self->ops->pause(self, lx_can_is_paused(self));
+        pause_wire(self, lx_can_is_paused(self));
     }
 }
 
@@ -137,14 +144,34 @@ void lx_can_discard(struct lx_can *self)
     self->count = 0;
 }
 
-int lx_can_init(struct lx_can *self, const struct lx_can_ops *ops, const struct lx_can_setup *setup,
-                struct lx_error *error)
+/* Nobody waits for it before the bus is there. */
+static int open_timer(struct lx_can *self, struct lx_error *error)
 {
-    self->ops = ops;
+    const int result = lx_timer_open(&self->retry, self->setup.event, try_again, self);
+    return result < 0 ? lx_fail(error, "no timer: %s", strerror(-result)) : 0;
+}
+
+struct lx_can *lx_can_make(const struct lx_can_kind *kind, const struct lx_can_setup *setup,
+                           struct lx_error *error)
+{
+    struct lx_can *self = lx_allocate(kind->size, "a CAN bus", error);
+    if (self == NULL) {
+        return NULL;
+    }
+    self->kind = kind;
+    self->ops = kind->ops;
     self->setup = *setup;
     self->company = DG_BUS_SOMEBODY;
-    const int result = lx_timer_open(&self->retry, setup->event, try_again, self);
-    return result < 0 ? lx_fail(error, "no timer: %s", strerror(-result)) : 0;
+    if (kind->start(self, error) != 0 || open_timer(self, error) != 0) {
+        lx_can_close(self);
+        return NULL;
+    }
+    return self;
+}
+
+bool lx_can_is_up(const struct lx_can *self)
+{
+    return self->ops->up == NULL || self->ops->up(self);
 }
 
 void lx_can_close(struct lx_can *self)

@@ -24,6 +24,7 @@
 #define LX_CAN_ADDRESS_MAX 4096u
 
 struct lx_can;
+struct lx_can_dialect;
 struct lx_silkit;
 
 /** A frame with an identifier of 11 or 29 bits. */
@@ -44,7 +45,7 @@ struct lx_can_ops {
     /** All that one moment has made the encoders send was given to write(): what that has put
      * together is to go out. NULL: nothing is. */
     void (*push)(struct lx_can *self);
-    /** Stop reading, or go on. */
+    /** Stop reading, or go on. NULL: there is always room, so nobody waits for it. */
     void (*pause)(struct lx_can *self, bool paused);
     /** Who listens to what may have changed (dg_bus_frames_listens()); `bus` NULL: everything is
      * wanted. As an operation NULL: everything comes in anyway. */
@@ -60,10 +61,21 @@ struct lx_can_ops {
     /** Bits on the wire so far (DG_CAN_BITS()), of everybody's frames. NULL: those that are sent
      * and received here are all there are. */
     uint64_t (*bits)(const struct lx_can *self);
-    /** Whether the wire is there; one that is not is looked for, and what is sent is lost. */
+    /** Whether the wire is there; one that is not is looked for, and what is sent is lost. NULL: it
+     * always is. */
     bool (*up)(const struct lx_can *self);
     /** Close files, remove links. */
     void (*close)(struct lx_can *self);
+};
+
+/** A kind of bus. */
+struct lx_can_kind {
+    size_t size; /**< of its struct, which begins with struct lx_can */
+    const struct lx_can_ops *ops;
+    /** Open files, make links; all of its struct is zero but the shared part.
+     * @return 0, or -1 with `error`; then close() cleans up */
+    int (*start)(struct lx_can *self, struct lx_error *error);
+    const struct lx_can_dialect *dialect; /**< of its TCP clients; NULL: it has none */
 };
 
 /** What a bus is made of. Everything pointed to must outlive it. */
@@ -92,7 +104,8 @@ struct lx_can_counters {
 
 /** The part that all kinds share; first member of each kind. */
 struct lx_can {
-    const struct lx_can_ops *ops;
+    const struct lx_can_kind *kind;
+    const struct lx_can_ops *ops; /**< the kind's */
     struct lx_can_setup setup;
     struct lx_timer retry;
     dg_ns delay;  /**< until the next attempt to send */
@@ -105,7 +118,6 @@ struct lx_can {
     struct lx_can_counters counters;
     enum dg_bus_company company;      /**< somebody, unless the kind says so */
     uint16_t expected;                /**< the encoders' bit rate, in kBd, where that matters */
-    const char *kind;                 /**< "can" or "slcan" */
     char address[LX_CAN_ADDRESS_MAX]; /**< interface, or what a master opens */
 };
 
@@ -120,6 +132,9 @@ int lx_socketcand_check(const char *where, struct lx_error *error);
 
 /** Whether the kernel has CAN at all. */
 bool lx_can_in_kernel(void);
+
+/** Whether the wire is there. */
+bool lx_can_is_up(const struct lx_can *self);
 
 /** Close any of them; NULL is fine. */
 void lx_can_close(struct lx_can *self);
@@ -139,9 +154,9 @@ void lx_can_send(struct lx_can *self, const struct dg_can_frame *frame);
 /** Forget what waits to be sent. */
 void lx_can_discard(struct lx_can *self);
 
-/** For the kinds: fill the shared part. @return 0, or -1 with `error` */
-int lx_can_init(struct lx_can *self, const struct lx_can_ops *ops, const struct lx_can_setup *setup,
-                struct lx_error *error);
+/** For the kinds: open one of these. @return NULL with one line in `error` */
+struct lx_can *lx_can_make(const struct lx_can_kind *kind, const struct lx_can_setup *setup,
+                           struct lx_error *error);
 
 /** For the kinds: the wire has no room; it is tried again soon. */
 void lx_can_stall(struct lx_can *self);

@@ -88,7 +88,7 @@ static bool update_line(struct lx_can_bus *self)
         .bit_rate = ops->bit_rate == NULL ? 0 : ops->bit_rate(can),
         .tolerant = ops->open == NULL,
         .closed = ops->open != NULL && !ops->open(can),
-        .company = ops->up(can) ? can->company : DG_BUS_NOBODY,
+        .company = lx_can_is_up(can) ? can->company : DG_BUS_NOBODY,
     };
     dg_bus_frames_stall(self->wire, can->stalled);
     return dg_bus_frames_set_line(self->wire, &line);
@@ -288,7 +288,7 @@ static void counters(const struct lx_bus *bus, const struct lx_station *station,
     const uint32_t rate = dg_bus_frames_bit_rate(self->wire);
     const uint64_t so_far = dg_bus_load_due(&self->load, now) ? bits(self) : 0;
     const struct lx_count rows[] = {
-        {"wire_up", can->ops->up(can)},
+        {"wire_up", lx_can_is_up(can)},
         {"wire_late", bus->late + bus->stalls},
         {"wire_stalls", can->counters.stalls + wire->stalls},
         {"wire_lost", can->counters.lost + wire->lost},

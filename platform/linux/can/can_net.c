@@ -11,7 +11,6 @@
 #include "can_net.h"
 
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 static struct lx_can_net *net_of(struct lx_can *can)
@@ -154,24 +153,18 @@ static uint32_t bit_rate(const struct lx_can *can)
     return 1000u * rate((const struct lx_can_net *)can);
 }
 
-static bool up(const struct lx_can *can)
-{
-    return ((const struct lx_can_net *)can)->peers.listener >= 0;
-}
-
 static void close_net(struct lx_can *can)
 {
     lx_peers_close(&net_of(can)->peers);
 }
 
-static const struct lx_can_ops net_ops = {
+const struct lx_can_ops lx_can_net_ops = {
     .write = write_frame,
     .push = push,
     .pause = pause_reading,
     .expect = expect,
     .open = anybody_is_open,
     .bit_rate = bit_rate,
-    .up = up,
     .close = close_net,
 };
 
@@ -192,12 +185,13 @@ int lx_can_net_check(const struct lx_can_dialect *dialect, const char *where,
     return split(dialect, where, &ignored) ? 0 : lx_refuse(error, dialect->right, "%s", "");
 }
 
-static int start(struct lx_can_net *self, struct lx_error *error)
+int lx_can_net_start(struct lx_can *can, struct lx_error *error)
 {
-    const struct lx_can_dialect *dialect = self->dialect;
+    struct lx_can_net *self = net_of(can);
+    const struct lx_can_dialect *dialect = can->kind->dialect;
     const struct lx_peers_setup peers = {
-        .event = self->can.setup.event,
-        .say = self->can.setup.say,
+        .event = can->setup.event,
+        .say = can->setup.say,
         .name = dialect->kind,
         .where = &self->where,
         .own_size = dialect->own_size,
@@ -206,32 +200,15 @@ static int start(struct lx_can_net *self, struct lx_error *error)
         .gone = gone,
         .ctx = self,
     };
-    if (lx_can_net_check(dialect, self->can.setup.where, error) != 0) {
+    self->dialect = dialect;
+    self->peers.listener = -1;
+    if (lx_can_net_check(dialect, can->setup.where, error) != 0) {
         return -1;
     }
-    (void)split(dialect, self->can.setup.where, &self->where);
+    (void)split(dialect, can->setup.where, &self->where);
     if (lx_peers_open(&self->peers, &peers, error) != 0) {
         return -1;
     }
-    (void)snprintf(self->can.address, sizeof self->can.address, "%s%s", dialect->prefix,
-                   self->peers.address);
+    (void)snprintf(can->address, sizeof can->address, "%s%s", dialect->prefix, self->peers.address);
     return 0;
-}
-
-struct lx_can *lx_can_net_open(const struct lx_can_setup *setup,
-                               const struct lx_can_dialect *dialect, struct lx_error *error)
-{
-    struct lx_can_net *self = calloc(1, sizeof *self);
-    if (self == NULL) {
-        (void)lx_fail(error, "no memory for a bus");
-        return NULL;
-    }
-    self->dialect = dialect;
-    self->peers.listener = -1;
-    self->can.kind = dialect->kind;
-    if (lx_can_init(&self->can, &net_ops, setup, error) != 0 || start(self, error) != 0) {
-        lx_can_close(&self->can);
-        return NULL;
-    }
-    return &self->can;
 }

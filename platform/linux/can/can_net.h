@@ -50,9 +50,10 @@ struct lx_can_net {
     struct lx_peers peers;
 };
 
-/** Open it. @return NULL with one line in `error` */
-struct lx_can *lx_can_net_open(const struct lx_can_setup *setup,
-                               const struct lx_can_dialect *dialect, struct lx_error *error);
+/** Of a kind with such a bus, which names its dialect, too. Its struct is struct lx_can_net. */
+extern const struct lx_can_ops lx_can_net_ops;
+/** As lx_can_kind.start(). */
+int lx_can_net_start(struct lx_can *self, struct lx_error *error);
 
 /** Whether `where` is an address of the dialect. @return 0, or -1 with `error` */
 int lx_can_net_check(const struct lx_can_dialect *dialect, const char *where,

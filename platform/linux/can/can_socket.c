@@ -12,7 +12,6 @@
 #include <linux/sockios.h>
 #include <net/if.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 #include <sys/epoll.h>
 #include <sys/socket.h>
@@ -475,32 +474,25 @@ static int explain(int reason, const char *where, struct lx_error *error)
     }
 }
 
-static int start(struct can_socket *self, struct lx_error *error)
+static int start(struct lx_can *can, struct lx_error *error)
 {
-    const char *where = self->can.setup.where;
+    struct can_socket *self = socket_of(can);
+    const char *where = can->setup.where;
+    self->fd = -1;
     if (strlen(where) >= IFNAMSIZ) {
         return explain(ENODEV, where, error);
     }
-    (void)snprintf(self->can.address, sizeof self->can.address, "%s", where);
-    int result = lx_timer_open(&self->reopen, self->can.setup.event, look_for_it, self);
+    (void)snprintf(can->address, sizeof can->address, "%s", where);
+    int result = lx_timer_open(&self->reopen, can->setup.event, look_for_it, self);
     if (result >= 0) {
         result = open_socket(self);
     }
     return result < 0 ? explain(-result, where, error) : 0;
 }
 
+static const struct lx_can_kind kind = {sizeof(struct can_socket), &socket_ops, start, NULL};
+
 struct lx_can *lx_can_socket_open(const struct lx_can_setup *setup, struct lx_error *error)
 {
-    struct can_socket *self = calloc(1, sizeof *self);
-    if (self == NULL) {
-        (void)lx_fail(error, "no memory for an interface");
-        return NULL;
-    }
-    self->fd = -1;
-    self->can.kind = "can";
-    if (lx_can_init(&self->can, &socket_ops, setup, error) != 0 || start(self, error) != 0) {
-        lx_can_close(&self->can);
-        return NULL;
-    }
-    return &self->can;
+    return lx_can_make(&kind, setup, error);
 }

@@ -117,12 +117,6 @@ static void receive(void *ctx, dg_ns now, const struct lx_silkit_message *messag
 
 /* --- the operations --- */
 
-static void pause_reading(struct lx_can *can, bool paused)
-{
-    (void)can; /* there is always room, so nobody waits for it */
-    (void)paused;
-}
-
 static void expect(struct lx_can *can, uint16_t kbaud)
 {
     struct silkit_can *self = silkit_of(can);
@@ -132,12 +126,6 @@ static void expect(struct lx_can *can, uint16_t kbaud)
     }
 }
 
-static bool up(const struct lx_can *can)
-{
-    (void)can;
-    return true;
-}
-
 static void close_silkit(struct lx_can *can)
 {
     free(silkit_of(can)->early);
@@ -145,36 +133,27 @@ static void close_silkit(struct lx_can *can)
 
 static const struct lx_can_ops silkit_ops = {
     .write = write_frame,
-    .pause = pause_reading,
     .expect = expect,
-    .up = up,
     .close = close_silkit,
 };
 
-static int start(struct silkit_can *self, struct lx_error *error)
+static int start(struct lx_can *can, struct lx_error *error)
 {
-    const struct lx_can_setup *setup = &self->can.setup;
+    struct silkit_can *self = silkit_of(can);
+    const struct lx_can_setup *setup = &can->setup;
+    self->port = (struct lx_silkit_port){.receive = receive, .ready = on_ready, .ctx = self};
     if (lx_silkit_split(setup->where, &self->where, error) != 0 ||
         lx_silkit_join(setup->silkit, error) != 0) {
         return -1;
     }
-    (void)snprintf(self->can.address, sizeof self->can.address, "%s,%s", self->where.uri,
+    (void)snprintf(can->address, sizeof can->address, "%s,%s", self->where.uri,
                    self->where.network);
     return lx_silkit_open_can(setup->silkit, &self->port, self->where.network, error);
 }
 
+static const struct lx_can_kind kind = {sizeof(struct silkit_can), &silkit_ops, start, NULL};
+
 struct lx_can *lx_silkit_can_open(const struct lx_can_setup *setup, struct lx_error *error)
 {
-    struct silkit_can *self = calloc(1, sizeof *self);
-    if (self == NULL) {
-        (void)lx_fail(error, "no memory for a bus");
-        return NULL;
-    }
-    self->can.kind = "silkit";
-    self->port = (struct lx_silkit_port){.receive = receive, .ready = on_ready, .ctx = self};
-    if (lx_can_init(&self->can, &silkit_ops, setup, error) != 0 || start(self, error) != 0) {
-        lx_can_close(&self->can);
-        return NULL;
-    }
-    return &self->can;
+    return lx_can_make(&kind, setup, error);
 }

@@ -83,9 +83,12 @@ static const struct lx_can_dialect slcan = {
     .print = print,
 };
 
+static const struct lx_can_kind kind = {sizeof(struct lx_can_net), &lx_can_net_ops,
+                                        lx_can_net_start, &slcan};
+
 struct lx_can *lx_slcan_net_open(const struct lx_can_setup *setup, struct lx_error *error)
 {
-    return lx_can_net_open(setup, &slcan, error);
+    return lx_can_make(&kind, setup, error);
 }
 
 int lx_slcan_net_check(const char *where, struct lx_error *error)

@@ -17,7 +17,6 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 #include <sys/inotify.h>
 #include <termios.h>
@@ -267,12 +266,13 @@ static const struct lx_can_ops slcan_ops = {
     .close = close_slcan,
 };
 
-static int start(struct slcan_pty *self, struct lx_error *error)
+static int start(struct lx_can *can, struct lx_error *error)
 {
+    struct slcan_pty *self = pty_of(can);
     const struct lx_serial_setup line = {
-        .event = self->can.setup.event,
-        .say = self->can.setup.say,
-        .where = self->can.setup.where,
+        .event = can->setup.event,
+        .say = can->setup.say,
+        .where = can->setup.where,
         .uart = {.baud = BAUD, .parity = 'N'},
         .found_baud = BAUD,
         .any_line = true,
@@ -280,6 +280,7 @@ static int start(struct slcan_pty *self, struct lx_error *error)
         .back = back,
         .ctx = self,
     };
+    self->slave = -1;
     self->serial = lx_pty_open(&line, error);
     if (self->serial == NULL) {
         return -1;
@@ -290,18 +291,9 @@ static int start(struct slcan_pty *self, struct lx_error *error)
                       : 0;
 }
 
+static const struct lx_can_kind kind = {sizeof(struct slcan_pty), &slcan_ops, start, NULL};
+
 struct lx_can *lx_slcan_pty_open(const struct lx_can_setup *setup, struct lx_error *error)
 {
-    struct slcan_pty *self = calloc(1, sizeof *self);
-    if (self == NULL) {
-        (void)lx_fail(error, "no memory for an adapter");
-        return NULL;
-    }
-    self->slave = -1;
-    self->can.kind = "slcan";
-    if (lx_can_init(&self->can, &slcan_ops, setup, error) != 0 || start(self, error) != 0) {
-        lx_can_close(&self->can);
-        return NULL;
-    }
-    return &self->can;
+    return lx_can_make(&kind, setup, error);
 }

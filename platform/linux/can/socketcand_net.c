@@ -61,9 +61,12 @@ static const struct lx_can_dialect socketcand = {
     .print = print,
 };
 
+static const struct lx_can_kind kind = {sizeof(struct lx_can_net), &lx_can_net_ops,
+                                        lx_can_net_start, &socketcand};
+
 struct lx_can *lx_socketcand_open(const struct lx_can_setup *setup, struct lx_error *error)
 {
-    return lx_can_net_open(setup, &socketcand, error);
+    return lx_can_make(&kind, setup, error);
 }
 
 int lx_socketcand_check(const char *where, struct lx_error *error)

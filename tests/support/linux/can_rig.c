@@ -69,6 +69,13 @@ static void wire_close(struct lx_can *can)
     (void)can;
 }
 
+static int wire_start(struct lx_can *can, struct lx_error *error)
+{
+    (void)can;
+    (void)error;
+    return 0;
+}
+
 static struct lx_can *wire_open(const struct lx_can_setup *setup, struct lx_error *error)
 {
     static const struct lx_can_ops ops = {
@@ -80,11 +87,10 @@ static struct lx_can *wire_open(const struct lx_can_setup *setup, struct lx_erro
         .up = wire_up,
         .close = wire_close,
     };
-    struct can_wire *self = calloc(1, sizeof *self);
+    static const struct lx_can_kind kind = {sizeof(struct can_wire), &ops, wire_start, NULL};
+    struct lx_can *self = lx_can_make(&kind, setup, error);
     assert_non_null(self);
-    self->can.kind = "test";
-    assert_int_equal(lx_can_init(&self->can, &ops, setup, error), 0);
-    return &self->can;
+    return self;
 }
 
 struct can_wire *can_rig_wire(const struct can_rig *self)

@@ -462,7 +462,7 @@ static void a_lost_pty_comes_back(void **state)
     self->client = -1;
     const struct lx_can *can = ((const struct lx_can_bus *)self->bus)->can;
     const dg_ns end = dg_after(lx_now(), CAN_RIG_PATIENCE);
-    while (can->ops->up(can) && lx_now() < end) {
+    while (lx_can_is_up(can) && lx_now() < end) {
         can_rig_turn(self);
     }
     assert_int_equal(access(self->link, F_OK), -1);
