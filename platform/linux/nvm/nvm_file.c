@@ -16,6 +16,7 @@
 
 #include "beside.h"
 #include "file.h"
+#include "nvm_memory.h"
 
 /* --- the memory operations --- */
 
@@ -55,19 +56,10 @@ static int report(struct lx_nvm_file *self, const char *trouble, bool synced)
     return trouble == NULL ? DG_OK : DG_ERR_IO;
 }
 
-static bool inside(const struct lx_nvm_file *self, uint32_t address, size_t n)
-{
-    return address <= self->size && n <= self->size - address;
-}
-
 static int read_file(void *ctx, uint32_t address, void *to, size_t n)
 {
     const struct lx_nvm_file *self = ctx;
-    if (!inside(self, address, n)) {
-        return DG_ERR_IO;
-    }
-    memcpy(to, self->bytes + address, n);
-    return DG_OK;
+    return lx_nvm_read(self->bytes, self->size, address, to, n);
 }
 
 /* What has been done to the name of the file, in words: the next start would not find what is
@@ -138,7 +130,7 @@ static int put(struct lx_nvm_file *self, uint32_t address, const void *from, siz
 static int write_file(void *ctx, uint32_t address, const void *from, size_t n)
 {
     struct lx_nvm_file *self = ctx;
-    if (!inside(self, address, n)) {
+    if (!lx_nvm_inside(self->size, address, n)) {
         return DG_ERR_IO;
     }
     const char *trouble = look(self);

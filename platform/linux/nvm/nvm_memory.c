@@ -2,29 +2,19 @@
 /* No sync: nothing here survives, so everything is as durable as it gets. */
 #include "nvm_memory.h"
 
-#include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
-
-static bool inside(const struct lx_nvm_memory *self, uint32_t address, size_t n)
-{
-    return address <= self->size && n <= self->size - address;
-}
 
 static int read_memory(void *ctx, uint32_t address, void *to, size_t n)
 {
     const struct lx_nvm_memory *self = ctx;
-    if (!inside(self, address, n)) {
-        return DG_ERR_IO;
-    }
-    memcpy(to, self->bytes + address, n);
-    return DG_OK;
+    return lx_nvm_read(self->bytes, self->size, address, to, n);
 }
 
 static int write_memory(void *ctx, uint32_t address, const void *from, size_t n)
 {
     struct lx_nvm_memory *self = ctx;
-    if (!inside(self, address, n)) {
+    if (!lx_nvm_inside(self->size, address, n)) {
         return DG_ERR_IO;
     }
     memcpy(self->bytes + address, from, n);

@@ -31,6 +31,7 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "nvm_memory.h"
 #include "timer.h"
 
 /* It writes, syncs, and prints a line. */
@@ -233,19 +234,10 @@ static void *run(void *ctx)
 
 /* --- the device's side --- */
 
-static bool inside(const struct lx_nvm_queue *self, uint32_t address, size_t n)
-{
-    return address <= self->setup.size && n <= self->setup.size - address;
-}
-
 static int read_copy(void *ctx, uint32_t address, void *to, size_t n)
 {
     const struct lx_nvm_queue *self = ctx;
-    if (!inside(self, address, n)) {
-        return DG_ERR_IO;
-    }
-    memcpy(to, self->bytes + address, n);
-    return DG_OK;
+    return lx_nvm_read(self->bytes, self->setup.size, address, to, n);
 }
 
 /* With the lock: what a queue that has stalled does about it, see above. @return DG_ERR_IO */
@@ -282,7 +274,8 @@ static int write_later(void *ctx, uint32_t address, const void *from, size_t n)
 {
     struct lx_nvm_queue *self = ctx;
     struct lx_nvm_writer *writer = self->setup.writer;
-    struct lx_nvm_job *job = inside(self, address, n) ? make_job(0, address, from, n) : NULL;
+    const bool inside = lx_nvm_inside(self->setup.size, address, n);
+    struct lx_nvm_job *job = inside ? make_job(0, address, from, n) : NULL;
     int result = DG_ERR_IO;
     if (job == NULL) {
         return result;
