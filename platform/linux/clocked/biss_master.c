@@ -186,24 +186,28 @@ static void note_access(const struct lx_sim_master *self, uint8_t slave, uint8_t
 
 /* --- registers --- */
 
+static int access_registers(const struct lx_sim_master *self, const struct access *access,
+                            uint8_t address, size_t n, size_t *done)
+{
+    const uint8_t *bytes = access->got != NULL ? access->got : access->sent;
+    lx_clocked_listen(self->wire.line);
+    const int result = transfer_all(access, address, n, done);
+    note_access(self, access->slave, address, bytes, *done, result);
+    return result;
+}
+
 int lx_biss_master_read(struct lx_sim_master *self, uint8_t slave, uint8_t address, uint8_t *bytes,
                         size_t n, size_t *done)
 {
     const struct access access = {.wire = &self->wire, .slave = slave, .got = bytes};
-    lx_clocked_listen(self->wire.line);
-    const int result = transfer_all(&access, address, n, done);
-    note_access(self, slave, address, bytes, *done, result);
-    return result;
+    return access_registers(self, &access, address, n, done);
 }
 
 int lx_biss_master_write(struct lx_sim_master *self, uint8_t slave, uint8_t address,
                          const uint8_t *bytes, size_t n, size_t *done)
 {
     const struct access access = {.wire = &self->wire, .slave = slave, .sent = bytes};
-    lx_clocked_listen(self->wire.line);
-    const int result = transfer_all(&access, address, n, done);
-    note_access(self, slave, address, bytes, *done, result);
-    return result;
+    return access_registers(self, &access, address, n, done);
 }
 
 /* --- what the control plane asks for --- */
@@ -226,39 +230,32 @@ static int read_frame(void *ctx, uint64_t *bits, uint8_t *count, char *detail)
     return DG_SCPI_NO_ERROR;
 }
 
-/* The end of an access: `result` is what that to `address` ended in. */
-static int finish(struct lx_bus *bus, const struct lx_sim_master *master,
-                  const struct lx_station *station, uint8_t address, int result, char *detail)
+/* Write `sent`, or read into `got` where that is not NULL. */
+static int serve_access(void *ctx, uint8_t address, const uint8_t *sent, uint8_t *got, size_t n,
+                        char *detail)
 {
-    lx_sim_bus_end(bus);
+    const struct lx_station *station = ctx;
+    struct lx_sim_master *master = lx_sim_bus_begin(station->bus);
+    const struct access access = {&master->wire, (uint8_t)station->place, sent, got};
+    size_t done = 0;
+    const int result = access_registers(master, &access, address, n, &done);
+    lx_sim_bus_end(station->bus);
     if (result >= 0) {
         return DG_SCPI_NO_ERROR;
     }
-    explain_failure(master, (uint8_t)station->place, address, result, detail,
+    explain_failure(master, access.slave, (uint8_t)(address + done), result, detail,
                     DG_SCPI_DETAIL_MAX + 1u);
     return DG_SCPI_HARDWARE;
 }
 
 static int read_registers(void *ctx, uint8_t address, uint8_t *bytes, size_t n, char *detail)
 {
-    struct lx_station *station = ctx;
-    struct lx_bus *bus = station->bus;
-    struct lx_sim_master *master = lx_sim_bus_begin(bus);
-    size_t done = 0;
-    const int result =
-        lx_biss_master_read(master, (uint8_t)station->place, address, bytes, n, &done);
-    return finish(bus, master, station, (uint8_t)(address + done), result, detail);
+    return serve_access(ctx, address, NULL, bytes, n, detail);
 }
 
 static int write_registers(void *ctx, uint8_t address, const uint8_t *bytes, size_t n, char *detail)
 {
-    struct lx_station *station = ctx;
-    struct lx_bus *bus = station->bus;
-    struct lx_sim_master *master = lx_sim_bus_begin(bus);
-    size_t done = 0;
-    const int result =
-        lx_biss_master_write(master, (uint8_t)station->place, address, bytes, n, &done);
-    return finish(bus, master, station, (uint8_t)(address + done), result, detail);
+    return serve_access(ctx, address, bytes, NULL, n, detail);
 }
 
 static const struct dg_biss_port_ops port = {
