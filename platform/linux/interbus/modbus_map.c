@@ -2,6 +2,7 @@
 /* One row for each block of registers: reading, writing, checking and the printed map use it. */
 #include "modbus_map.h"
 
+#include <stddef.h>
 #include <string.h>
 
 #include "drehgeber/drehgeber.h"
@@ -21,9 +22,10 @@ struct row {
     uint16_t first;
     uint16_t count; /* when FIXED */
     enum size size;
-    uint16_t (*read)(const struct lx_map *self, uint16_t index);
-    void (*write)(struct lx_map *self, uint16_t index, uint16_t value); /* NULL: read only */
-    uint16_t most;                                                      /* that may be written */
+    uint16_t (*read)(const struct lx_map *self, uint16_t index);        /* NULL: `member` */
+    void (*write)(struct lx_map *self, uint16_t index, uint16_t value); /* NULL: into `member` */
+    uint16_t most; /* that may be written; 0: read only */
+    size_t member; /* an uint16_t of struct lx_map; 0: none */
     const char *what;
 };
 
@@ -127,12 +129,6 @@ static uint16_t read_watchdog_left(const struct lx_map *self, uint16_t index)
     return (uint16_t)((time - passed) / DG_MS(1));
 }
 
-static uint16_t read_watchdog_time(const struct lx_map *self, uint16_t index)
-{
-    (void)index;
-    return self->watchdog.time_ms;
-}
-
 static void write_watchdog_time(struct lx_map *self, uint16_t index, uint16_t value)
 {
     (void)index;
@@ -156,30 +152,6 @@ static void write_watchdog_reset(struct lx_map *self, uint16_t index, uint16_t v
         self->ring->stopped = false;
     }
     watchdog->key = value;
-}
-
-static uint16_t read_watchdog_type(const struct lx_map *self, uint16_t index)
-{
-    (void)index;
-    return self->watchdog.type;
-}
-
-static void write_watchdog_type(struct lx_map *self, uint16_t index, uint16_t value)
-{
-    (void)index;
-    self->watchdog.type = value;
-}
-
-static uint16_t read_fallback(const struct lx_map *self, uint16_t index)
-{
-    (void)index;
-    return self->watchdog.fallback;
-}
-
-static void write_fallback(struct lx_map *self, uint16_t index, uint16_t value)
-{
-    (void)index;
-    self->watchdog.fallback = value;
 }
 
 static uint16_t state_bits(const struct dg_ib *device, dg_ns now)
@@ -208,22 +180,24 @@ static uint16_t read_device(const struct lx_map *self, uint16_t index)
     return registers[index % DEVICE_REGISTERS];
 }
 
+#define MEMBER(name) offsetof(struct lx_map, watchdog.name)
+
 /* clang-format off */
 static const struct row rows[] = {
-    {0x0000,       0,              IMAGE,      read_input,          NULL,                 0,      "input image (IN), words in ring order, high word first"},
-    {OUTPUT_IMAGE, 0,              IMAGE,      read_output,         write_output,         0xFFFF, "output image (OUT); the two words of a device in one request"},
-    {0x1000,       TEXT_REGISTERS, FIXED,      read_text,           NULL,                 0,      "identification, 2 characters in each"},
-    {0x100C,       1,              FIXED,      read_status,         NULL,                 0,      "coupler status: b0 run, b1 bus error, b2 module error, b3 ID mismatch"},
-    {0x1010,       1,              FIXED,      read_image_bits,     NULL,                 0,      "output image, bits"},
-    {0x1011,       1,              FIXED,      read_image_bits,     NULL,                 0,      "input image, bits"},
-    {0x1012,       2,              FIXED,      read_zero,           NULL,                 0,      "digital output and input image, bits: none"},
-    {0x1014,       2,              FIXED,      read_missed,         NULL,                 0,      "missed cycles, high word first"},
-    {0x1020,       1,              FIXED,      read_watchdog_left,  NULL,                 0,      "watchdog: ms left"},
-    {0x1120,       1,              FIXED,      read_watchdog_time,  write_watchdog_time,  0xFFFF, "watchdog: time in ms, 0: off"},
-    {0x1121,       1,              FIXED,      read_watchdog_fired, write_watchdog_reset, 0xFFFF, "watchdog: 1: has fired; write BECFh, then AFFEh, to reset"},
-    {0x1122,       1,              FIXED,      read_watchdog_type,  write_watchdog_type,  1,      "watchdog: fed by 1: every request, 0: writes of OUT"},
-    {0x1123,       1,              FIXED,      read_fallback,       write_fallback,       LX_FALLBACK_COUNT - 1, "fallback: 0 OUT is zero, 1 OUT freezes, 2 the ring stops"},
-    {DEVICES,      0,              PER_DEVICE, read_device,         NULL,                 0,      NULL},
+    {0x0000,       0,              IMAGE,      read_input,          NULL,                 0,      0,                "input image (IN), words in ring order, high word first"},
+    {OUTPUT_IMAGE, 0,              IMAGE,      read_output,         write_output,         0xFFFF, 0,                "output image (OUT); the two words of a device in one request"},
+    {0x1000,       TEXT_REGISTERS, FIXED,      read_text,           NULL,                 0,      0,                "identification, 2 characters in each"},
+    {0x100C,       1,              FIXED,      read_status,         NULL,                 0,      0,                "coupler status: b0 run, b1 bus error, b2 module error, b3 ID mismatch"},
+    {0x1010,       1,              FIXED,      read_image_bits,     NULL,                 0,      0,                "output image, bits"},
+    {0x1011,       1,              FIXED,      read_image_bits,     NULL,                 0,      0,                "input image, bits"},
+    {0x1012,       2,              FIXED,      read_zero,           NULL,                 0,      0,                "digital output and input image, bits: none"},
+    {0x1014,       2,              FIXED,      read_missed,         NULL,                 0,      0,                "missed cycles, high word first"},
+    {0x1020,       1,              FIXED,      read_watchdog_left,  NULL,                 0,      0,                "watchdog: ms left"},
+    {0x1120,       1,              FIXED,      NULL,                write_watchdog_time,  0xFFFF, MEMBER(time_ms),  "watchdog: time in ms, 0: off"},
+    {0x1121,       1,              FIXED,      read_watchdog_fired, write_watchdog_reset, 0xFFFF, 0,                "watchdog: 1: has fired; write BECFh, then AFFEh, to reset"},
+    {0x1122,       1,              FIXED,      NULL,                NULL,                 1,      MEMBER(type),     "watchdog: fed by 1: every request, 0: writes of OUT"},
+    {0x1123,       1,              FIXED,      NULL,                NULL,                 LX_FALLBACK_COUNT - 1, MEMBER(fallback), "fallback: 0 OUT is zero, 1 OUT freezes, 2 the ring stops"},
+    {DEVICES,      0,              PER_DEVICE, read_device,         NULL,                 0,      0,                NULL},
 };
 
 /* Of a device; the high word first. */
@@ -297,7 +271,7 @@ bool lx_map_writable(const struct lx_map *self, struct lx_range range)
 {
     for (uint32_t i = 0; i < range.count; i++) {
         const struct row *row = row_of(self, range.first + i);
-        if (row == NULL || row->write == NULL) {
+        if (row == NULL || row->most == 0) {
             return false;
         }
     }
@@ -305,11 +279,31 @@ bool lx_map_writable(const struct lx_map *self, struct lx_range range)
     return self->tear || (!splits(self, range.first) && !splits(self, end));
 }
 
+static uint16_t read_register(const struct lx_map *self, const struct row *row, uint16_t index)
+{
+    uint16_t value = 0;
+    if (row->read != NULL) {
+        return row->read(self, index);
+    }
+    memcpy(&value, (const uint8_t *)self + row->member, sizeof value);
+    return value;
+}
+
+static void write_register(struct lx_map *self, const struct row *row, uint16_t index,
+                           uint16_t value)
+{
+    if (row->write != NULL) {
+        row->write(self, index, value);
+    } else {
+        memcpy((uint8_t *)self + row->member, &value, sizeof value);
+    }
+}
+
 void lx_map_read(const struct lx_map *self, struct lx_range range, uint16_t *to)
 {
     for (uint32_t i = 0; i < range.count; i++) {
         const struct row *row = row_of(self, range.first + i);
-        to[i] = row->read(self, (uint16_t)(range.first + i - row->first));
+        to[i] = read_register(self, row, (uint16_t)(range.first + i - row->first));
     }
 }
 
@@ -322,7 +316,7 @@ bool lx_map_write(struct lx_map *self, struct lx_range range, const uint16_t *va
     }
     for (uint32_t i = 0; i < range.count; i++) {
         const struct row *row = row_of(self, range.first + i);
-        row->write(self, (uint16_t)(range.first + i - row->first), values[i]);
+        write_register(self, row, (uint16_t)(range.first + i - row->first), values[i]);
     }
     return true;
 }
@@ -397,7 +391,7 @@ void lx_map_print(const struct dg_ib_model *const *models, size_t count, FILE *t
     for (size_t i = 0; i < ROWS; i++) {
         if (rows[i].size != PER_DEVICE) {
             print_row(to, rows[i].first, rows[i].size == IMAGE ? words : rows[i].count,
-                      rows[i].write == NULL ? "r" : "rw", rows[i].what);
+                      rows[i].most == 0 ? "r" : "rw", rows[i].what);
         }
     }
     words = 0;
