@@ -8,19 +8,21 @@
 #define SECOND INT64_C(1000000000)
 
 /* floor(rate * t / 1 s) modulo 2^64 for t = `to` - `from` of any sign and length: seconds and the
- * rest of t, and of the rate. Divisions are of signed numbers, for all need the same code; ~x
- * stands for -1 - x, which takes the rest below 0 along. */
+ * rest of t, and of the rate, which are below 2^30. Divisions are of signed numbers, and without
+ * remainders, for all need the same code; ~x stands for -1 - x, which takes the rest below 0 along.
+ */
 static uint64_t turned(int64_t rate, dg_ns from, dg_ns to)
 {
     const uint64_t t = to - from;
-    const uint64_t sign = to < from ? UINT64_MAX : 0;
-    const uint64_t s = (uint64_t)((int64_t)((t ^ sign) >> 1u) / (SECOND / 2)) ^ sign;
-    const uint64_t ns = t - s * (uint64_t)SECOND;
-    const int64_t high = rate / SECOND - (rate % SECOND < 0 ? 1 : 0);
-    const int64_t low = rate % SECOND + (rate % SECOND < 0 ? SECOND : 0);
+    const uint64_t back = to < from ? UINT64_MAX : 0;
+    const uint64_t s = (uint64_t)((int64_t)((t ^ back) >> 1u) / (SECOND / 2)) ^ back;
+    const uint32_t ns = (uint32_t)t - (uint32_t)s * (uint32_t)SECOND;
+    const uint64_t falls = 0 - ((uint64_t)rate >> 63u);
+    const uint64_t high = (uint64_t)((int64_t)((uint64_t)rate ^ falls) / SECOND) ^ falls;
+    const uint32_t low = (uint32_t)rate - (uint32_t)high * (uint32_t)SECOND;
 
-    /* low * ns is below 2^63; the others wrap as angles do. */
-    return (uint64_t)rate * s + (uint64_t)high * ns + (uint64_t)(low * (int64_t)ns / SECOND);
+    /* The last product is below 2^60; the others wrap as angles do. */
+    return (uint64_t)rate * s + high * ns + (uint64_t)((int64_t)((uint64_t)low * ns) / SECOND);
 }
 
 static dg_angle angle_in(const struct host_course *course, dg_ns at)
