@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* A device on the bus: power, the data cycle, the ID cycle, LEDs; how long a cycle takes. */
 #include "drehgeber/angle.h"
+#include "drehgeber/wide.h"
 #include "interbus_private.h"
 
 #define MESSAGE_RECONFIGURE 0x8000u
@@ -11,7 +12,7 @@
 #define OPC_CLASS 12u
 
 /* Fastest change of the LSB with a valid code word (6.1): 800 kHz, in steps a turn * 0.001 rpm. */
-#define FASTEST ((int64_t)800000 * 60000)
+#define FASTEST ((uint64_t)800000 * 60000)
 
 /* By profile: ID word, and words of a window (2.1, 2.2). */
 static const struct {
@@ -111,9 +112,10 @@ static inline bool is_invalid(const struct dg_ib *self, dg_ns now, int32_t mrpm)
 {
     const struct dg_world *world = self->setup.world;
     const struct dg_ib_model *model = self->setup.model;
-    const int64_t lsb = (int64_t)mrpm * model->steps;
+    const uint32_t speed = mrpm < 0 ? 0 - (uint32_t)mrpm : (uint32_t)mrpm;
+    const uint64_t lsb = dg_product(speed, model->steps);
 
-    if (now < self->ready_at || lsb > FASTEST || lsb < -FASTEST || !world->singleturn_ok) {
+    if (now < self->ready_at || lsb > FASTEST || !world->singleturn_ok) {
         return true;
     }
     return model->turns > 1 && !(world->multiturn_amplitude_ok && world->multiturn_sync_ok &&

@@ -7,6 +7,7 @@
  *   position    (scaled + offset + shift) modulo R
  */
 #include "drehgeber/angle.h"
+#include "drehgeber/wide.h"
 #include "interbus_private.h"
 
 /* I9 */
@@ -41,7 +42,9 @@ static inline uint32_t scaled(const struct dg_ib *self, dg_angle angle, uint32_t
 {
     const struct dg_ib_model *model = self->setup.model;
     const uint32_t counts = (uint32_t)model->steps * model->turns;
-    uint32_t raw = (uint32_t)dg_mod(dg_angle_counts(angle, model->steps), counts);
+    const int32_t turn = (int32_t)(uint32_t)((uint64_t)angle >> 32);
+    const uint32_t step = (uint32_t)(dg_product((uint32_t)angle, model->steps) >> 32);
+    uint32_t raw = (uint32_t)dg_mod(turn, model->turns) * model->steps + step;
 
     *range = counts;
     if (model->profile != DG_IB_K3) {
