@@ -11,6 +11,10 @@
 
 #include "drehgeber/bits.h"
 
+_Static_assert(offsetof(struct co_rig, cells) ==
+                   offsetof(struct co_rig, encoder) + sizeof(struct dg_cia406),
+               "cells lie behind the encoder");
+
 static const struct dg_cia406_model f3668 = {.turns = 4096, .device = &dg_cia406_multiturn};
 
 static void send(void *ctx, const struct dg_can_frame *frame)

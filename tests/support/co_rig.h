@@ -11,6 +11,8 @@
 #include "ram_nvm.h"
 
 #define CO_RIG_FRAMES 256u
+/** Values that only store, of an encoder from an EDS file; others have none. */
+#define CO_RIG_CELLS 1024u
 
 struct co_rig {
     const struct dg_cia406_model *model;
@@ -24,6 +26,7 @@ struct co_rig {
             struct dg_cia406 encoder;
         };
     };
+    uint32_t cells[CO_RIG_CELLS]; /**< directly behind the encoder, where its device looks */
     dg_ns now;
     uint16_t kbaud;                           /**< last bit rate the node reported */
     uint32_t count;                           /**< frames sent since co_rig_forget() */
