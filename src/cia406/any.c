@@ -125,11 +125,11 @@ static enum dg_co_abort hook_offset(struct dg_co_node *node, const struct dg_co_
                                     enum dg_co_op op, uint32_t *value)
 {
     const uint64_t range = scaled_range(node);
-    const uint64_t preset = node->value[SLOT_PRESET] % range;
+    const uint32_t preset = node->value[SLOT_PRESET];
 
     (void)object;
     if (op == DG_CO_READ) {
-        *value = (uint32_t)(preset - (preset + range - *value % range) % range);
+        *value = preset - (uint32_t)((preset % range + range - *value % range) % range);
     }
     return DG_CO_OK;
 }

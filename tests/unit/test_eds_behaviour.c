@@ -73,7 +73,7 @@ static void expect_alike(unsigned step)
         DG_CO_KEY(0x6400, 1), DG_CO_KEY(0x6401, 1), DG_CO_KEY(0x6401, 2), DG_CO_KEY(0x6402, 1),
         DG_CO_KEY(0x6402, 2), DG_CO_KEY(0x6500, 0), DG_CO_KEY(0x6501, 0), DG_CO_KEY(0x6502, 0),
         DG_CO_KEY(0x6503, 0), DG_CO_KEY(0x6504, 0), DG_CO_KEY(0x6505, 0), DG_CO_KEY(0x6508, 0),
-        DG_CO_KEY(0x650B, 0), DG_CO_KEY(0x1800, 5), DG_CO_KEY(0x1001, 0),
+        DG_CO_KEY(0x6509, 0), DG_CO_KEY(0x650B, 0), DG_CO_KEY(0x1800, 5), DG_CO_KEY(0x1001, 0),
     };
 
     for (size_t i = 0; i < DG_COUNT(keys); i++) {
