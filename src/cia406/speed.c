@@ -74,7 +74,7 @@ enum dg_co_abort dg_cia406_hook_acceleration(struct dg_co_node *node,
 {
     uint32_t window_ms = node->value[SLOT_SPEED_WINDOW_MS];
     int64_t change = (moved(node, 0) - moved(node, 1)) * 1000000;
-    uint32_t divisor = window_ms * window_ms; /* 200 ms, 65536 steps: 32 bits */
+    uint64_t divisor = (uint64_t)window_ms * window_ms; /* 1 s, 65536 steps: 36 bits */
 
     (void)object;
     (void)op;

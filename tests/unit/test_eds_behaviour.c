@@ -337,6 +337,24 @@ static void a_window_of_0_ms_in_the_file_is_one_of_1_ms(void **state)
     assert_in_range(co_rig_get(&rig.co, 0x6030, 1), 65000, 66000);
 }
 
+/* From rest to 600 rpm within 10 s: 60 rpm/s, whatever the window. */
+static void acceleration_is_the_same_in_every_window(void **state)
+{
+    static const uint16_t windows_ms[] = {100, 255, 256, 500, 1000};
+    (void)state;
+    eds_rig_start(&rig, TYPE OBJECTS STEPS("3600") WINDOW("100"));
+    rig.co.motion = (struct dg_motion){.kind = DG_MOTION_RAMP,
+                                       .start = rig.co.now,
+                                       .mrpm = 600000,
+                                       .accel = DG_S(10),
+                                       .hold = DG_NEVER};
+    co_rig_run(&rig.co, DG_S(5));
+    for (size_t i = 0; i < DG_COUNT(windows_ms); i++) {
+        co_rig_put(&rig.co, 0x6031, 2, windows_ms[i], 2);
+        assert_in_range(co_rig_get(&rig.co, 0x6040, 1), 59, 61);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -352,6 +370,7 @@ int main(void)
         cmocka_unit_test(a_jump_is_the_highest_speed),
         cmocka_unit_test(windows_are_1_to_1000_ms),
         cmocka_unit_test(a_window_of_0_ms_in_the_file_is_one_of_1_ms),
+        cmocka_unit_test(acceleration_is_the_same_in_every_window),
     };
     return cmocka_run_group_tests_name("eds_behaviour", tests, NULL, NULL);
 }
