@@ -81,15 +81,39 @@ static int make_shafts(struct dg_engine *self, struct dg_plan_error *error)
 
 /* ---------------------------------------------------------------- encoders */
 
+static const char *say_no_mode(const void *device, dg_ns now)
+{
+    (void)device;
+    (void)now;
+    return "-";
+}
+
+static void say_no_state(const void *device, dg_ns now, struct dg_scpi *to)
+{
+    (void)device;
+    (void)now;
+    dg_state_word(to, "leds", "-");
+    dg_state_word(to, "errors", "-");
+}
+
+static const struct dg_damage_row any_region = {.effect = "a check sum is wrong", .chapter = "-"};
+
+/* Of a protocol that the host has none of: what the control plane asks of every encoder. */
+static const struct dg_instrument no_instrument = {
+    .damage = &any_region,
+    .mode = say_no_mode,
+    .state = say_no_state,
+};
+
 static const struct dg_instrument *instrument_of(const struct dg_engine *self,
                                                  const struct dg_stack *stack)
 {
-    for (size_t i = 0; self->setup.instruments != NULL && i < self->setup.instrument_count; i++) {
+    for (size_t i = 0; i < self->control.instrument_count; i++) {
         if (self->setup.instruments[i]->stack == stack) {
             return self->setup.instruments[i];
         }
     }
-    return NULL;
+    return &no_instrument;
 }
 
 /* A handle that sits on its shaft, and what the control plane sees of it. */
@@ -219,10 +243,9 @@ static int refuse_place(const struct dg_engine *self, size_t index, struct dg_pl
 static int attach_all(struct dg_engine *self, const struct engine_wire *wire,
                       struct dg_plan_error *error)
 {
-    const bool controlled = self->setup.instruments != NULL;
-
     for (size_t i = wire->first; i != ENGINE_NOBODY; i = self->encoders[i].next) {
         struct engine_encoder *encoder = &self->encoders[i];
+        const bool controlled = encoder->control.instrument != &no_instrument;
         const struct dg_characters_end end = {.any_line = encoder->end.any_line,
                                               .at_once = !encoder->end.pace};
         if (dg_bus_attach(wire->bus, encoder->host, controlled ? &encoder->control : NULL) < 0) {
