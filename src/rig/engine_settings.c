@@ -237,12 +237,6 @@ static int refuse_name(const struct dg_engine *self, size_t index, const struct 
 
 /* ---------------------------------------------------------------- an encoder */
 
-static bool is_course(const struct dg_key *row, const struct dg_plan_setting *setting)
-{
-    return row >= dg_world_keys.rows && row < dg_world_keys.rows + dg_world_keys.count &&
-           dg_course_is(setting->value);
-}
-
 /* It is understood here; its points come when the rig is made. */
 static int check_course(const struct dg_engine *self, const char *text, struct dg_plan_error *error)
 {
@@ -264,8 +258,9 @@ static int set_one(const struct dg_engine *self, size_t index, const struct list
     if (row == NULL) {
         return refuse_name(self, index, lists, setting->key, error);
     }
-    return is_course(row, setting) ? check_course(self, setting->value, error)
-                                   : set_value(row, base, setting->value, error);
+    return base == lists[OF_WORLD].base && dg_course_is(setting->value)
+               ? check_course(self, setting->value, error)
+               : set_value(row, base, setting->value, error);
 }
 
 static int set_serial(const struct dg_engine *self, size_t index, struct dg_plan_error *error)
@@ -291,13 +286,14 @@ static void count_serial(struct engine_encoder *encoder)
     const struct dg_key *key = dg_keys_find(wire->keys, SERIAL);
     const bool counts =
         wire->stack->medium == DG_MEDIUM_FRAMES || wire->stack->medium == DG_MEDIUM_WORDS;
-    char text[DG_TEXT_DIGITS_MAX + 1u];
+    char text[DG_TEXT_DIGITS_MAX + 1u] = "";
     uint64_t serial = 0;
 
-    if (!counts || key == NULL || dg_host_get(encoder->host, SERIAL, text, sizeof text) <= 0 ||
-        !dg_unsigned_parse(text, &serial)) {
+    if (!counts || key == NULL) {
         return;
     }
+    (void)dg_host_get(encoder->host, SERIAL, text, sizeof text);
+    (void)dg_unsigned_parse(text, &serial);
     serial = (serial + encoder->place) % ((uint64_t)key->max + 1u);
     (void)dg_host_set(encoder->host, SERIAL, dg_plan_number((size_t)serial).text);
 }
@@ -372,7 +368,7 @@ static int begin_course(struct dg_engine *self, size_t index, const struct dg_pl
     const struct dg_key *row = dg_keys_find(&dg_world_keys, setting->key);
     struct dg_course_words words;
 
-    if (row == NULL || !is_course(row, setting)) {
+    if (row == NULL || !dg_course_is(setting->value)) {
         return 0;
     }
     (void)dg_course_read(setting->value, &words, error);
