@@ -12,7 +12,7 @@
 #include "co_rig.h"
 
 #define EDS_RIG_NOTES 64u
-#define EDS_RIG_MEMORY ((size_t)1u << 19u)
+#define EDS_RIG_MEMORY ((size_t)1u << 21u)
 #define EDS_RIG_NODE 63u
 
 struct eds_rig {
