@@ -283,7 +283,7 @@ static void begin_object(struct line *line, uint32_t index, struct eds_span rest
         in->objects++;
         line->current = dg_co_add_entry(in, DG_CO_KEY(index, 0), EDS_OBJECT, line->number);
         line->place = PLACE_OBJECT;
-    } else if (begins(rest, "sub") > 0 &&
+    } else if (begins(rest, "sub") > 0 && rest.n > 3u &&
                read_digits(behind(rest, 3), 16, 3, &sub) == rest.n - 3u && sub <= UINT8_MAX) {
         line->current = dg_co_add_entry(in, DG_CO_KEY(index, sub), EDS_SUB, line->number);
         line->place = PLACE_OBJECT;

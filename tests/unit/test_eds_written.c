@@ -128,7 +128,7 @@ static void comments_and_sections_of_tools_are_left_alone(void **state)
     eds_rig_start(&rig,
                   "; by a tool\n# by another\n\n[Comments]\nLine1=x\n[10]\nx=1\n[zzzz]\nx=1\n" TYPE
                   "[1000Name]\n1=x\n[1000subx]\nDataType=7\n[1000sub100]\nDataType=7\n"
-                  "[1000Denotation]\nNrOfEntries=1\n"
+                  "[1000sub]\nDataType=7\n[1000Denotation]\nNrOfEntries=1\n"
                   "[2000]\nDataType=5\nAccessType=ro\nDefaultValue=3\nUpperText=x\n");
     assert_int_equal(rig.note_count, 1); /* no 6501h */
     assert_true(is_noted("6501", ""));
