@@ -183,16 +183,14 @@ static void turned(struct dg_rig *control, struct dg_rig_shaft *shaft, dg_ns now
     wake(engine_of(control));
 }
 
-/* What was wrong and, if there is room, what would be right. */
+/* What was wrong with a motion and, if there is room, what would be right: that is always said. */
 static int refuse_words(const struct dg_plan_error *error, char *detail)
 {
     char line[DG_SCPI_DETAIL_MAX + 2u];
     struct dg_text text = dg_text_in(line, sizeof line);
-    const bool both = error->what[0] != '\0' && error->right[0] != '\0';
 
-    dg_plan_add(&text, RIG_SAY(error->what, both ? "; " : "", error->right));
-    return refuse(DG_SCPI_ILLEGAL, detail,
-                  text.length > DG_SCPI_DETAIL_MAX && both ? error->what : line);
+    dg_plan_add(&text, RIG_SAY(error->what, "; ", error->right));
+    return refuse(DG_SCPI_ILLEGAL, detail, text.length > DG_SCPI_DETAIL_MAX ? error->what : line);
 }
 
 static int profile(struct dg_rig *control, struct dg_rig_shaft *shaft, dg_ns now, const char *text,
