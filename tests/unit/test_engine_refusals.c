@@ -106,6 +106,45 @@ static void a_row_of_the_host_is_listed_once(void **state)
     assert_string_equal(rig.error.right, "a number in 0..9 us is right");
 }
 
+#define ROWS 33u
+
+static void *give_many_rows(void *ctx, size_t index, void *settings, struct dg_keys *rows)
+{
+    static uint32_t values[ROWS];
+    static char names[ROWS][8];
+    static struct dg_key list[ROWS];
+
+    (void)ctx;
+    (void)index;
+    (void)settings;
+    for (size_t i = 0; i < ROWS; i++) {
+        (void)snprintf(names[i], sizeof names[i], "port%zu", i);
+        list[i] = (struct dg_key){.name = names[i],
+                                  .unit = "",
+                                  .offset = i * sizeof values[0],
+                                  .type = DG_KEY_U32,
+                                  .factor = 1,
+                                  .max = 9,
+                                  .help = ""};
+    }
+    *rows = (struct dg_keys){list, ROWS};
+    return values;
+}
+
+static void a_host_may_have_many_rows(void **state)
+{
+    (void)state;
+    engine_rig_read(&rig, CHAIN_OF "port0 = 1\nport32 = 1\n");
+    rig.setup.rows = give_many_rows;
+    engine_rig_make(&rig);
+    assert_non_null(rig.engine);
+    engine_rig_read(&rig, CHAIN_OF "port33 = 1\n");
+    rig.setup.rows = give_many_rows;
+    engine_rig_make(&rig);
+    assert_null(rig.engine);
+    assert_non_null(strstr(rig.error.right, " port32"));
+}
+
 static void a_serial_number_of_the_file_counts(void **state)
 {
     char text[32];
@@ -253,6 +292,7 @@ int main(void)
         cmocka_unit_test(a_setting_is_refused_with_what_is_right),
         cmocka_unit_test(a_key_that_nobody_has_gets_those_of_the_wire),
         cmocka_unit_test(a_row_of_the_host_is_listed_once),
+        cmocka_unit_test(a_host_may_have_many_rows),
         cmocka_unit_test(a_serial_number_of_the_file_counts),
         cmocka_unit_test(a_loop_of_no_time_is_refused),
         cmocka_unit_test(a_course_of_a_state_jumps),

@@ -179,6 +179,32 @@ static void encoders_turn_with_their_own_shaft(void **state)
     assert_int_equal(dg_host_angle(dg_engine_encoder(rig.engine, 2), DG_S(3)), DG_TURN / 4);
 }
 
+static int turn_at_once(struct dg_rig *control, struct dg_rig_shaft *shaft, dg_ns now,
+                        const char *text, char *detail)
+{
+    const struct dg_motion motion = {.kind = DG_MOTION_SPEED, .mrpm = 60000};
+
+    (void)control;
+    (void)text;
+    (void)detail;
+    return dg_shaft_play(&shaft->shaft, now, &motion);
+}
+
+/* The engine does not know its words then: the shaft is steered. */
+static void a_host_may_play_profiles_of_its_own(void **state)
+{
+    struct dg_rig_ops ops = dg_engine_ops;
+    (void)state;
+    engine_rig_read(&rig, each_medium);
+    ops.profile = turn_at_once;
+    rig.setup.ops = &ops;
+    engine_rig_power(&rig);
+    expect("SHAF:PROF \"of the host\"", "");
+    (void)dg_engine_step(rig.engine, NOW);
+    expect("SHAF:PROF?", "\"steered\"");
+    assert_int_equal(dg_host_angle(dg_engine_encoder(rig.engine, 0), DG_S(3)), DG_TURN);
+}
+
 static void count_call(void *ctx)
 {
     ++*(unsigned *)ctx;
@@ -254,6 +280,24 @@ static void instruments_may_be_some_of_them(void **state)
     expect_state_of_all("a");
 }
 
+/* Before there is power nobody answers, and nothing breaks. */
+static void a_rig_without_power_is_silent(void **state)
+{
+    const struct dg_tap_event byte = {
+        .at = NOW, .kind = DG_TAP_CHARACTER, .character = {DG_BAUD_ANY, 'E', 0x40, false}};
+    const struct dg_tap_event frame = {.at = NOW, .kind = DG_TAP_FRAME, .frame = {.id = 0x607}};
+    (void)state;
+    engine_rig_read(&rig, each_medium);
+    engine_rig_make(&rig);
+    assert_non_null(rig.engine);
+    (void)dg_bus_rx(dg_engine_bus(rig.engine, 0), &byte);
+    (void)dg_bus_rx(dg_engine_bus(rig.engine, 1), &frame);
+    (void)dg_engine_step(rig.engine, DG_S(3));
+    for (size_t i = 0; i < rig.plan.encoder_count; i++) {
+        assert_false(dg_host_powered(dg_engine_encoder(rig.engine, i)));
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -265,9 +309,11 @@ int main(void)
         cmocka_unit_test(a_profile_is_what_the_shaft_does),
         cmocka_unit_test(a_profile_that_is_none_is_refused_in_words),
         cmocka_unit_test(encoders_turn_with_their_own_shaft),
+        cmocka_unit_test(a_host_may_play_profiles_of_its_own),
         cmocka_unit_test(a_host_may_look_at_shafts_itself),
         cmocka_unit_test(a_rig_without_a_host_works),
         cmocka_unit_test(instruments_may_be_some_of_them),
+        cmocka_unit_test(a_rig_without_power_is_silent),
     };
     return cmocka_run_group_tests_name("engine_said", tests, NULL, NULL);
 }
