@@ -77,8 +77,9 @@ struct dg_engine_setup {
     uint16_t frames_wait; /**< room for frames that wait, on each bus of frames; 0: as much as a
                                fast wire and its faults need, 140 kB of which nothing is touched
                                before it is used */
-    /** Whose commands and faults the control plane has: dg_instruments, or some of them. NULL: no
-     * faults, and only the commands that all rigs have. */
+    /** Whose commands and faults the control plane has: dg_instruments, or some of them; encoders
+     * of other protocols have no faults but of their EEPROM, and STATe? says '-' of them. NULL:
+     * that is all of them, with the commands that all rigs have. */
     const struct dg_instrument *const *instruments;
     size_t instrument_count;
     const struct dg_rig_ops *ops; /**< of the control plane; NULL: dg_engine_ops */
