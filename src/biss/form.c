@@ -137,6 +137,9 @@ const char *dg_biss_form_settle(const struct dg_biss_model *model, struct dg_bis
     if (dg_form_has(form->layout, 'L') != model->life_counter) {
         return "L in the frame and lc = 1, or neither";
     }
+    if (form->crc_start >> crc_bits(form) != 0) {
+        return "crc_start with as many bits as crc_poly has behind its first one, or fewer";
+    }
     form->around = (uint8_t)(dg_form_pack(&parts.form, '\0').count - turns_and_counts(model));
     return NULL;
 }

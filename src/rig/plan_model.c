@@ -43,7 +43,8 @@ int dg_plan_refuse_model(struct rig_reader *in, const struct rig_section *sectio
 
 /* ---------------------------------------------------------------- name, base */
 
-/* A name says the same everywhere: no file can make another encoder of a built-in one. */
+/* A name says the same everywhere: no file can make another encoder of a built-in one. On a command
+ * line a word that begins with '-' is an option. */
 static int check_name(struct rig_reader *in, const struct rig_section *self)
 {
     const struct dg_plan *plan = in->plan;
@@ -53,6 +54,10 @@ static int check_name(struct rig_reader *in, const struct rig_section *self)
     if (dg_device_find(self->name) != NULL) {
         return dg_plan_wrong_section(in, self, RIG_SAY("another name is right"),
                                      RIG_SAY(self->name, " is built in"));
+    }
+    if (self->name[0] == '-') {
+        return dg_plan_wrong_section(in, self, RIG_SAY("a letter, digit or '_' in front is right"),
+                                     RIG_SAY(self->name, " looks like an option"));
     }
     return same < 0 ? 0 : dg_plan_taken(in, self, plan->models[same].line);
 }

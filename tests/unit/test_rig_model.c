@@ -146,6 +146,9 @@ static void names_that_are_taken(void **state)
         read_in(&bench, "[model a]\nbase = ssi-13\n[model a]\nbase = ssi-13\n", MEMORY_SIZE),
         DG_ERR_ARGUMENT);
     assert_string_equal(bench.error.what, "line 1 has the name already");
+    assert_int_equal(read_in(&bench, "[model -v]\nbase = ssi-13\n", MEMORY_SIZE), DG_ERR_ARGUMENT);
+    assert_string_equal(bench.error.what, "-v looks like an option");
+    assert_string_equal(bench.error.right, "a letter, digit or '_' in front is right");
 }
 
 static void bases_that_are_none(void **state)
@@ -201,6 +204,8 @@ static void figures_that_are_none(void **state)
 
 #define FRAME_OF_SSI                                                                               \
     "right is a frame of P and any of E T F Y, each once, 0 and 1, together at most 64 bits"
+#define START_OF_CRC                                                                               \
+    "right is crc_start with as many bits as crc_poly has behind its first one, or fewer"
 #define FRAME_OF_BISS                                                                              \
     "right is a frame of P and any of E W L C, each once, 0 and 1, together at most 63 bits"
 
@@ -224,6 +229,8 @@ static void figures_that_do_not_fit(void **state)
         {"s3684-biss\nframe = E W C", FRAME_OF_BISS},
         {"s3684-biss\nframe = P E W C", "right is L in the frame and lc = 1, or neither"},
         {"s3684-biss\nst = 32\nmt = 14\ncrc_poly = 190D9h", FRAME_OF_BISS},
+        {"s3684-biss\ncrc_start = 64", START_OF_CRC},
+        {"s3684-biss\ncrc_poly = 25h\ncrc_start = 20h", START_OF_CRC},
         {"s3684-biss\nbusy_us = 30\nbusy_jitter_us = 30",
          "right is busy_us and busy_jitter_us, together at most 40"},
         {"s3684-rs485\nsteps = 16777216",
