@@ -66,6 +66,7 @@ struct dg_plan_model {
     const struct dg_device *device; /**< as everywhere; its name is the section's */
     const struct dg_device *base;   /**< built-in, or a model above */
     const char *source;             /**< what was read, in the words of the file; NULL: not said */
+    const char *unmodelled;         /**< what it is not like, likewise */
     unsigned depth;                 /**< models below it, with the built-in one */
     dg_plan_line line;              /**< of the section */
 };

@@ -114,9 +114,9 @@ static int refuse_key(struct rig_reader *in, const struct dg_plan_setting *word,
         dg_plan_add(&figures.text, RIG_SAY(" ", figure->name));
         figure = dg_model_figure_at(text, i);
     }
-    return dg_plan_wrong_word(in, word,
-                              RIG_SAY("right is one of: base inherit title source", figures.room),
-                              RIG_SAY("no figure of ", base->name));
+    return dg_plan_wrong_word(
+        in, word, RIG_SAY("right is one of: base inherit title source unmodelled", figures.room),
+        RIG_SAY("no figure of ", base->name));
 }
 
 static int refuse_value(struct rig_reader *in, const struct dg_plan_setting *word,
@@ -264,9 +264,16 @@ static int add_model(struct rig_reader *in, const struct dg_plan_model *row)
     return dg_plan_names_add(plan, &name);
 }
 
+/* NULL: not said */
+static const char *text_of(const struct rig_section *self, const char *key)
+{
+    const struct dg_plan_setting *word = dg_plan_word(self, key);
+
+    return word == NULL ? NULL : word->value;
+}
+
 int dg_plan_take_model(struct rig_reader *in, const struct rig_section *self)
 {
-    const struct dg_plan_setting *source = dg_plan_word(self, "source");
     const struct dg_device *base = check_name(in, self) != 0 ? NULL : take_base(in, self);
     void *model = NULL;
     struct dg_device *device = base == NULL ? NULL : make_device(in, self, base, &model);
@@ -277,7 +284,8 @@ int dg_plan_take_model(struct rig_reader *in, const struct rig_section *self)
     }
     return add_model(in, &(struct dg_plan_model){.device = device,
                                                  .base = base,
-                                                 .source = source == NULL ? NULL : source->value,
+                                                 .source = text_of(self, "source"),
+                                                 .unmodelled = text_of(self, "unmodelled"),
                                                  .depth = depth_of(in->plan, base) + 1u,
                                                  .line = self->line});
 }

@@ -342,6 +342,12 @@ static const struct rig_key model_keys[] = {
         .usual = "none",
         .help = "what was read, for whoever reads the file",
     },
+    {
+        .name = "unmodelled",
+        .takes = "TEXT",
+        .usual = "none",
+        .help = "what of the encoder this model does not have, for whoever reads the file",
+    },
     {.name = NULL},
 };
 static const struct rig_key shaft_keys[] = {

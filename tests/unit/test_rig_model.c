@@ -64,7 +64,7 @@ static void assert_refused(struct bench *self, const char *base, const char *lin
 
 static const char la24[] =
     "[model la24]\nbase = s3674-biss\nst = 24\nlc = 0\ntitle = linear, 24 bit\n"
-    "source = nobody's\n";
+    "source = nobody's\nunmodelled = its lamp\n";
 
 static void figures_of_a_copy(void **state)
 {
@@ -78,6 +78,7 @@ static void figures_of_a_copy(void **state)
     assert_string_equal(row->device->resolution, "linear, 24 bit");
     assert_string_equal(row->device->wire, "BiSS-C");
     assert_string_equal(row->source, "nobody's");
+    assert_string_equal(row->unmodelled, "its lamp");
     assert_ptr_equal(row->base, &dg_s3674_biss);
     const struct dg_biss_model *figures = dg_biss_model_of(row->device);
     const struct dg_biss_model *before = dg_biss_model_of(&dg_s3674_biss);
@@ -189,7 +190,7 @@ static void figures_that_are_none(void **state)
     (void)state;
     assert_refused(
         &bench, "s3684-rs485", "address = 0x41", "no figure of s3684-rs485",
-        "right is one of: base inherit title source serial reaction_us init_ms periods steps "
+        "right is one of: base inherit title source unmodelled serial reaction_us init_ms periods steps "
         "turns memory implemented type option version date designation "
         "temperature_min temperature_max led_min_ma led_max_ma speed_max_rpm");
     assert_refused(&bench, "ssi-13", "mt = 40", "", "a number in 0..32 is right");
