@@ -18,22 +18,11 @@
 #include "drehgeber/hal.h"
 #include "drehgeber/host_wire.h"
 #include "drehgeber/rig.h"
+#include "frame_row.h"
 
 #define QUARTER (INT64_C(1) << 30)
 #define MEMORY_SIZE 32768u
 #define TEXT_MAX 400u
-
-struct row {
-    const char *figures;
-    int64_t quarters; /* the shaft */
-    const char *bits; /* blanks are for the eye */
-    uint32_t turns;
-    uint32_t counts;
-    const char *bent; /* a quantity of the world; NULL: all are healthy */
-    int64_t value;
-    bool error;
-    bool damaged; /* by the master's check */
-};
 
 struct bench {
     _Alignas(16) unsigned char plan_memory[MEMORY_SIZE];
@@ -69,59 +58,18 @@ static void make_encoder(struct bench *self, const char *figures)
     (void)dg_host_step(self->host, self->now);
 }
 
-/* @return bits, of which there are `count` */
-static uint64_t bits_of(const char *text, unsigned *count)
-{
-    uint64_t bits = 0;
-    *count = 0;
-    for (; *text != '\0'; text++) {
-        if (*text != ' ') {
-            bits = bits << 1 | (*text == '1');
-            ++*count;
-        }
-    }
-    return bits;
-}
-
-static void read_frame(struct bench *self, struct dg_host_frame *frame)
-{
-    assert_int_equal(dg_host_frame(self->host, self->now, frame), DG_HOST_OK);
-    self->now = frame->end + DG_MS(1);
-}
-
-static void assert_frame(const struct dg_host_frame *frame, const struct row *row)
-{
-    unsigned count = 0;
-    const uint64_t want = bits_of(row->bits, &count);
-    if (frame->bits != want || frame->count != count) {
-        fail_msg("%s: expected %016llX (%u), got %016llX (%u)", row->figures,
-                 (unsigned long long)want, count, (unsigned long long)frame->bits, frame->count);
-    }
-    assert_int_equal(frame->multiturn, row->turns);
-    assert_int_equal(frame->singleturn, row->counts);
-    assert_int_equal(frame->error, row->error);
-    assert_int_equal(frame->good, !row->damaged);
-}
-
-static void assert_rows(const struct row *rows, size_t count)
+static void assert_rows(const struct frame_row *rows, size_t count)
 {
     for (size_t i = 0; i < count; i++) {
-        struct dg_host_frame frame = {.at = 0};
         make_encoder(&bench, rows[i].figures);
-        dg_host_shaft(bench.host, bench.now, rows[i].quarters * QUARTER, 0);
-        if (rows[i].bent != NULL) {
-            assert_int_equal(dg_host_world_set(bench.host, bench.now, rows[i].bent, rows[i].value),
-                             DG_HOST_OK);
-        }
-        read_frame(&bench, &frame);
-        assert_frame(&frame, &rows[i]);
+        frame_row_check(bench.host, &bench.now, &rows[i]);
     }
 }
 
 /* Also the widths that a 64-bit word ends at. */
 static void ssi_words(void **state)
 {
-    static const struct row rows[] = {
+    static const struct frame_row rows[] = {
         /* 1 bit: half a turn */
         {"base = ssi-13\nst = 1\ncode = binary", 2, "1", 0, 1, NULL, 0, false, false},
         /* 40 bits: 2.5 turns */
@@ -148,7 +96,7 @@ static void ssi_words(void **state)
  * 0100000000 in Gray code is 00000111 1110000000. */
 static void ssi_tree(void **state)
 {
-    static const struct row rows[] = {
+    static const struct frame_row rows[] = {
         {"base = ssi-25\nmt = 8\nst = 10\nframe = 0000 P 000", 21, "0000 00000111 1110000000 000",
          5, 256, NULL, 0, false, false},
         /* ones around it, and nothing between */
@@ -161,7 +109,7 @@ static void ssi_tree(void **state)
 
 static void ssi_bits_around_the_position(void **state)
 {
-    static const struct row rows[] = {
+    static const struct frame_row rows[] = {
         /* a 0 in front is an error; odd over the word: 2 ones and a 1, over the position: 1 and 0
          */
         {"base = ssi-13\nst = 10\ncode = binary\nerror_bit = low\nparity = odd\nframe = E P Y", 1,
@@ -202,7 +150,7 @@ static void ssi_bits_around_the_position(void **state)
 /* It changes with each position; a word that is clocked again has the same one. */
 static void ssi_toggle_bit(void **state)
 {
-    static const struct row rows[] = {
+    static const struct frame_row rows[] = {
         {"P T", 1, "01000000 1", 0, 64, NULL, 0, false, false},
         {"P T", 1, "01000000 0", 0, 64, NULL, 0, false, false},
         {"P T", 1, "01000000 1", 0, 64, NULL, 0, false, false},
@@ -212,14 +160,14 @@ static void ssi_toggle_bit(void **state)
     dg_host_shaft(bench.host, bench.now, QUARTER, 0);
     for (size_t i = 0; i < DG_COUNT(rows); i++) {
         struct dg_host_frame frame = {.at = 0};
-        read_frame(&bench, &frame);
-        assert_frame(&frame, &rows[i]);
+        frame_row_read(bench.host, &bench.now, &frame);
+        frame_row_compare(&frame, &rows[i]);
     }
 }
 
 static void biss_frames(void **state)
 {
-    static const struct row rows[] = {
+    static const struct frame_row rows[] = {
         /* 26 bits: 2^24, nERR, nWARN; its remainder by 43h is 001100, sent inverted */
         {"base = s3674-biss\nst = 26\nlc = 0", 1, "01000000000000000000000000 1 1 110011", 0,
          0x1000000, NULL, 0, false, false},
@@ -268,7 +216,7 @@ static void damaged_frames(void **state)
         struct dg_host_frame frame = {.at = 0};
         struct dg_biss_data data;
         make_encoder(&bench, figures[i]);
-        read_frame(&bench, &frame);
+        frame_row_read(bench.host, &bench.now, &frame);
         const struct dg_biss_model *model = dg_biss_model_of(bench.plan.models[0].device);
         assert_int_equal(dg_biss_frame_bits(model), frame.count);
         for (unsigned bit = 0; bit < frame.count; bit++) {
@@ -307,10 +255,10 @@ static void states_of_other_forms(void **state)
         dg_host_shaft(bench.host, bench.now, QUARTER, 0);
         assert_int_equal(dg_host_save(bench.host, kept, sizeof kept), DG_HOST_OK);
         const uint64_t then = bench.now;
-        read_frame(&bench, &first);
+        frame_row_read(bench.host, &bench.now, &first);
         assert_int_equal(dg_host_restore(bench.host, kept, sizeof kept), DG_HOST_OK);
         bench.now = then;
-        read_frame(&bench, &again);
+        frame_row_read(bench.host, &bench.now, &again);
         assert_memory_equal(&first, &again, sizeof first);
         assert_int_not_equal(first.bits, 0);
     }
