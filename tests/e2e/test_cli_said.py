@@ -226,6 +226,7 @@ def told(line, folder):
     said = ended.stdout + "".join(f"! {row}\n" for row in ended.stderr.splitlines())
     said = said.replace(str(folder), "{folder}")
     said = re.sub(r"/dev/pts/\d+", "{pty}", said)
+    said = re.sub(r'[^"]*/share/drehgeber/models/', "{models}/", said)
     said = re.sub(r"(?<=127\.0\.0\.1:)[1-9]\d{3,}", "{port}", said)
     said = re.sub(r"^drehgeber \d+\.\d+\.\d+\S*$", "drehgeber {version}", said, flags=re.M)
     files = sorted(path.name for path in folder.iterdir() if path.name not in ("two.ini", "drehgeber"))

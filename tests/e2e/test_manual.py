@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Manual pages and completion, as man, bash and zsh take them."""
+import json
 import os
 import re
 import subprocess
@@ -52,8 +53,8 @@ def test_a_page_has_what_help_has():
     assert len(keys) > 20
     for key in keys:
         assert re.search(rf" {key} ", text), key
-    for line in run("list").stdout.splitlines():
-        assert line.split()[0] in text
+    for row in json.loads(run("list", "--json").stdout):
+        assert "file" in row or row["model"] in text
 
 
 BASH = """

@@ -2,10 +2,12 @@
 """Models that are texts, as the command takes them: in a file of their own, in a rig file, in a folder."""
 import json
 import os
+import shutil
+import subprocess
 
 import pytest
 
-from rig import Rigs, run, run_refused
+from rig import PATIENCE_S, PROGRAM, Rigs, run, run_refused
 
 LA26 = """[model la26]
 base = s3674-biss
@@ -63,7 +65,7 @@ def test_the_last_one_of_a_file(tmp_path):
 
 
 def test_a_folder_of_models(folder):
-    assert "la26         BiSS-C, linear, 26 bit\n" in asked("list", env=folder)
+    assert "la26                     BiSS-C, linear, 26 bit\n" in asked("list", env=folder)
     listed = {row["model"]: row for row in json.loads(asked("list", "--json", env=folder))}
     assert listed["tree-low"]["resolution"] == "tree, error bit in front"
     assert listed["tree"]["stack"] == "ssi" and "ssi-25" in listed
@@ -95,8 +97,86 @@ def test_what_is_wrong_and_where(tmp_path, text, right):
     (tmp_path / "a.ini").write_text(text)
     for command in "run", "faults":
         assert right in run_refused(2, command, "a.ini", cwd=tmp_path)
-    said = run_refused(2, "run", "other", env={**os.environ, "DREHGEBER_MODELS": str(tmp_path)})
-    assert right in said.replace(f"{tmp_path}/", "")
+    for command in "run", "faults":
+        said = run_refused(2, command, "other", env={**os.environ, "DREHGEBER_MODELS": str(tmp_path)})
+        assert f"unknown model other; not read: {right}" in said.replace(f"{tmp_path}/", "")
+
+
+def test_a_wrong_file_is_not_in_the_way(folder, tmp_path):
+    """It is named where it may be the one that was meant, and by whoever lists the folder."""
+    (tmp_path / "models" / "a.ini").write_text("[model ok]\nbase = ssi-13\n[model bad]\nbase = ssi-13\nst = 33\n")
+    assert "la26: BiSS-C" in asked("run", "la26", "--help", env=folder)
+    asked("ssi", "tree", "read", env=folder)
+    asked("faults", "rls-la11-26", env=folder)
+    wrong = "a.ini:5: st 33: a number in 1..32 is right"
+    for name in "ok", "bad":
+        said = run_refused(2, "ssi", name, "read", env=folder)
+        assert wrong in said and "unknown" not in said
+    assert wrong in run_refused(2, "run", "other", env=folder)
+    ended = run("list", env=folder)
+    assert ended.stderr.count("\n") == 1 and wrong in ended.stderr and "\nla26 " in ended.stdout
+
+
+def test_a_folder_that_is_not_there(tmp_path):
+    nowhere = {**os.environ, "DREHGEBER_MODELS": str(tmp_path / "none")}
+    said = f"$DREHGEBER_MODELS {tmp_path}/none: No such file or directory"
+    assert said in run_refused(2, "run", "la26", env=nowhere)
+    assert said in run("list", env=nowhere).stderr
+    assert "rls-la11-26: BiSS-C" in asked("run", "rls-la11-26", "--help", env=nowhere)
+    asked("faults", "ssi-13", env=nowhere)
+
+
+def test_two_of_a_name(folder, tmp_path):
+    (tmp_path / "models" / "more.ini").write_text(LA26.replace("26 bit", "another"))
+    said = f"la26 is in both {tmp_path}/models/la26.ini and {tmp_path}/models/more.ini; one is right"
+    assert said in run_refused(2, "biss", "la26", "read", env=folder)
+    ended = run("list", env=folder)
+    assert "la26" not in ended.stdout and ended.stderr.count("\n") == 1 and said in ended.stderr
+
+
+# --- the catalogue ------------------------------------------------------------------------------
+
+SOLD = [row for row in json.loads(run("list", "--json", env={**os.environ, "DREHGEBER_MODELS": ""}).stdout) if "file" in row]
+
+
+def test_there_is_a_catalogue():
+    assert len(SOLD) >= 8 and len({row["model"] for row in SOLD}) == len(SOLD)
+    for row in SOLD:
+        assert row["file"].endswith(".ini") and row["source"] and row["unmodelled"] and row["base"]
+        shown = " ".join(asked("run", row["model"], "--help").split())
+        flat = shown.replace(" ", "")
+        assert f"Source:{row['source']}".replace(" ", "") in flat
+        assert f"Notmodelled:{row['unmodelled']}".replace(" ", "") in flat
+
+
+@pytest.mark.parametrize("row", [row for row in SOLD if row["stack"] in ("biss", "ssi")], ids=lambda row: row["model"])
+def test_the_master_reads_what_is_sold(row):
+    """Of a scale whose whole range is a turn a quarter is 90 degrees, too."""
+    said = asked(row["stack"], row["model"], "read", "--shaft", "90DEG")
+    assert said.startswith("MT 0  ST ") and "  90.000000 deg" in said
+    assert row["stack"] == "ssi" or "CRC valid" in said
+
+
+def test_the_users_own_goes_before_it(tmp_path):
+    (tmp_path / "mine.ini").write_text(LA26.replace("la26", "rls-la11-26"))
+    own = {**os.environ, "DREHGEBER_MODELS": str(tmp_path)}
+    listed = [line for line in asked("list", env=own).splitlines() if line.startswith("rls-la11-26 ")]
+    assert listed == ["rls-la11-26              BiSS-C, linear, 26 bit"]
+    assert "rls-la11-26: BiSS-C, linear, 26 bit" in asked("run", "rls-la11-26", "--help", env=own)
+
+
+def test_it_is_found_where_it_is_installed(tmp_path):
+    """bin/drehgeber has its catalogue in share/drehgeber/models; without one there is none."""
+    program = tmp_path / "bin" / "drehgeber"
+    program.parent.mkdir()
+    shutil.copy(PROGRAM, program)
+    alone = subprocess.run([program, "list"], capture_output=True, text=True, timeout=PATIENCE_S, check=True)
+    assert "ssi-13" in alone.stdout and "sick" not in alone.stdout and alone.stderr == ""
+    models = tmp_path / "share" / "drehgeber" / "models"
+    models.mkdir(parents=True)
+    shutil.copy(SOLD[0]["file"], models)
+    told = subprocess.run([program, "list"], capture_output=True, text=True, timeout=PATIENCE_S, check=True)
+    assert SOLD[0]["model"] in told.stdout
 
 
 def test_an_fmu_has_no_files(tmp_path):
@@ -117,7 +197,7 @@ def test_nobody_waits_for_a_fifo(folder, tmp_path):
     os.mkfifo(tmp_path / "models" / "a.ini")
     os.mkfifo(tmp_path / "acme.eds")
     ended = run("list", env=folder)
-    assert "la26         BiSS-C, linear, 26 bit\n" in ended.stdout
+    assert "la26                     BiSS-C, linear, 26 bit\n" in ended.stdout
     assert "a.ini: not a regular file; one is right" in ended.stderr
     assert "acme.eds: not a regular file; one is right" in run_refused(1, "check", tmp_path / "acme.eds")
     assert "acme.eds: not a regular file; one is right" in run_refused(2, "run", tmp_path / "acme.eds")

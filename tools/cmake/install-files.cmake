@@ -10,7 +10,7 @@ foreach(page "platform/linux|rig-files" "platform/fmu|fmu" "src/control|scpi" "s
 endforeach()
 install(DIRECTORY docs DESTINATION ${CMAKE_INSTALL_DOCDIR}) # what README.md leads to
 install(DIRECTORY tools/examples DESTINATION ${CMAKE_INSTALL_DOCDIR} PATTERN __pycache__ EXCLUDE)
-install(DIRECTORY tools/eds tools/gtkwave tools/sigrok DESTINATION ${CMAKE_INSTALL_DATADIR}/drehgeber
+install(DIRECTORY tools/eds tools/gtkwave tools/models tools/sigrok DESTINATION ${CMAKE_INSTALL_DATADIR}/drehgeber
   PATTERN __pycache__ EXCLUDE PATTERN README.md EXCLUDE)
 install(DIRECTORY tools/man/ DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
 install(FILES tools/completion/drehgeber.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions

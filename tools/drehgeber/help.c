@@ -361,8 +361,33 @@ static bool uses(const struct command_row *row, const char *option)
     return row->takes == NULL || strstr(row->takes, option) != NULL;
 }
 
-static void print_one(const struct command_row *row, const struct dg_device *device)
+/* What whoever wrote the model had read, and what it is not like. */
+static void print_text_of(const char *title, const char *text)
 {
+    struct lx_words line = {""};
+    if (text != NULL) {
+        lx_words_add(&line, "%s: %s", title, text);
+        print_text(line.text, 0, 1);
+    }
+}
+
+static void print_about(const struct dg_device *device, const struct dg_plan_model *text)
+{
+    struct lx_words about = {""};
+    lx_words_add(&about, "%s: %s, %s; %s is its usual wire", device->name, device->wire,
+                 device->resolution, lx_stack_of(device)->wire);
+    (void)fputs("\n", stdout);
+    print_text(about.text, 0, 1);
+    if (text != NULL) {
+        print_text_of("Source", text->source);
+        print_text_of("Not modelled", text->unmodelled);
+    }
+}
+
+static void print_one(const struct options *options)
+{
+    const struct command_row *row = options->row;
+    const struct dg_device *device = options->device;
     for (size_t i = 0; i < command_row_count; i++) {
         if (command_rows[i].command == row->command) {
             print_command(&command_rows[i]);
@@ -370,11 +395,7 @@ static void print_one(const struct command_row *row, const struct dg_device *dev
     }
     (void)printf("\n%s", help_about(row->name));
     if (device != NULL) {
-        struct lx_words about = {""};
-        lx_words_add(&about, "%s: %s, %s; %s is its usual wire", device->name, device->wire,
-                     device->resolution, lx_stack_of(device)->wire);
-        (void)fputs("\n", stdout);
-        print_text(about.text, 0, 1);
+        print_about(device, options->text);
     }
     (void)fputs("\n", stdout);
     print_options(row, device == NULL ? NULL : lx_stack_of(device));
@@ -399,6 +420,6 @@ void help_print(const struct options *options)
     if (row == NULL || row->command == COMMAND_HELP) {
         print_everything();
     } else {
-        print_one(row, options->device);
+        print_one(options);
     }
 }

@@ -18,11 +18,24 @@
 #define WIDTH_MIN 60
 #define WIDTH_MAX 120
 
+/* Those of the longest name that is built in, and in the catalogue. */
+#define NAME_WIDTH 12
+#define SOLD_WIDTH 24
+
 /* --- models --- */
 
-static void list_line(const struct dg_device *device)
+/* What stands in the list. */
+struct entry {
+    const struct dg_device *device;
+    const struct dg_plan_model *text; /* NULL: it is built in */
+    const struct model_file *file;    /* that has it; NULL: it is built in */
+};
+
+static void list_line(const struct entry *entry)
 {
-    (void)printf("%-12s %s, %s\n", device->name, device->wire, device->resolution);
+    const struct dg_device *device = entry->device;
+    const int width = entry->text == NULL ? NAME_WIDTH : SOLD_WIDTH;
+    (void)printf("%-*s %s, %s\n", width, device->name, device->wire, device->resolution);
 }
 
 static void list_wires(const struct lx_stack *stack)
@@ -39,8 +52,18 @@ static void list_wires(const struct lx_stack *stack)
     (void)fputs("]", stdout);
 }
 
-static void list_model(const struct dg_device *device)
+static void list_member(const char *name, const char *text)
 {
+    if (text != NULL) {
+        json_member(name, text);
+        (void)fputs(", ", stdout);
+    }
+}
+
+static void list_model(const struct entry *entry)
+{
+    const struct dg_device *device = entry->device;
+    const struct dg_plan_model *row = entry->text;
     const struct lx_stack *stack = lx_stack_of(device);
     const struct {
         const char *name;
@@ -51,11 +74,14 @@ static void list_model(const struct dg_device *device)
         {"resolution", device->resolution},
         {"stack", stack->core->name},
         {"usual_wire", stack->wire},
+        {"file", row == NULL ? NULL : entry->file->path},
+        {"base", row == NULL ? NULL : row->base->name},
+        {"source", row == NULL ? NULL : row->source},
+        {"unmodelled", row == NULL ? NULL : row->unmodelled},
     };
     (void)fputs("  {", stdout);
     for (size_t i = 0; i < DG_COUNT(members); i++) {
-        json_member(members[i].name, members[i].text);
-        (void)fputs(", ", stdout);
+        list_member(members[i].name, members[i].text);
     }
     list_wires(stack);
     (void)fputs("}", stdout);
@@ -63,28 +89,37 @@ static void list_model(const struct dg_device *device)
 
 /* The way each is told, and what stands between them. */
 struct listing {
-    void (*tell)(const struct dg_device *device);
+    void (*tell)(const struct entry *entry);
     const char *between;
     const char *before; /* the next one */
 };
 
-static void list_device(struct listing *self, const struct dg_device *device)
+static void list_entry(struct listing *self, const struct entry *entry)
 {
     (void)fputs(self->before, stdout);
-    self->tell(device);
+    self->tell(entry);
     self->before = self->between;
 }
 
-/* All models of a file of the folder. */
-static bool list_file(void *ctx, const struct dg_plan *plan, const struct lx_error *error)
+/* All models of a file but those that nobody can name: of the catalogue, those that the user's
+   folder has, too. */
+static void list_file(struct listing *self, const struct model_file *files,
+                      const struct model_file *file)
 {
-    if (error != NULL) {
-        (void)complain(error, EXIT_OTHER);
+    const struct dg_plan *plan = &file->plan;
+    struct lx_error error;
+    if (plan->memory == NULL) {
+        (void)complain(&file->unread, EXIT_OTHER);
     }
     for (size_t i = 0; i < plan->model_count; i++) {
-        list_device(ctx, plan->models[i].device);
+        const struct entry entry = {plan->models[i].device, &plan->models[i], file};
+        const struct dg_plan_model *meant = models_find(files, entry.device->name, &error);
+        if (meant == entry.text) {
+            list_entry(self, &entry);
+        } else if (models_rival(files, file, entry.device->name) != NULL) {
+            (void)complain(&error, EXIT_OTHER);
+        }
     }
-    return false;
 }
 
 int list_command(const struct options *options)
@@ -94,9 +129,13 @@ int list_command(const struct options *options)
         listing = (struct listing){list_model, ",\n", "[\n"};
     }
     for (size_t i = 0; i < dg_device_count; i++) {
-        list_device(&listing, dg_devices[i]);
+        list_entry(&listing, &(struct entry){.device = dg_devices[i]});
     }
-    (void)models_search(list_file, &listing);
+    struct model_file *files = models_read_all();
+    for (const struct model_file *file = files; file != NULL; file = file->next) {
+        list_file(&listing, files, file);
+    }
+    models_free(files);
     (void)fputs(options->json ? "\n]\n" : "", stdout);
     return EXIT_OK;
 }
@@ -136,9 +175,11 @@ static void put_table(const struct dg_device *device, const struct dg_fault_targ
     struct dg_fault_entry entry;
     int kind = -1;
     const int width = line_width();
-    (void)printf("What can happen to %s, what it does about it (and where that is said);\n"
-                 "with an encoder that runs: drehgeber ctl 'FAUL:SET NAME', 'FAUL:CLE NAME'.\n",
+    struct lx_words title = {""};
+    lx_words_add(&title, "What can happen to %s, what it does about it (and where that is said);",
                  device->name);
+    columns_put(title.text, 0, 0, width);
+    (void)puts("with an encoder that runs: drehgeber ctl 'FAUL:SET NAME', 'FAUL:CLE NAME'.");
     for (size_t i = 0; dg_fault_entry(target, i, &entry); i++) {
         if ((int)entry.kind != kind) {
             (void)printf("\n%s:\n", kinds[entry.kind].title);

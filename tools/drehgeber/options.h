@@ -64,9 +64,10 @@ struct options {
     const struct command_row *row;  /* its row, for help the one that is asked about; may be NULL */
     const char *model;              /* or the rig file */
     const struct dg_device *device; /* that `model` names: built-in, or of `file`; NULL: none */
-    struct model_file *file;        /* owned; `model` as a file, or the one that has it; NULL */
-    struct lx_error unread;         /* why there is no `file`; "" when nobody asked for one */
-    const char *ring;               /* models with commas between them */
+    const struct dg_plan_model *text; /* its section, of `file`; NULL: it is built in */
+    struct model_file *file;          /* owned; `model` as a file, or all that may have it; NULL */
+    struct lx_error unread;           /* why a file of models does not help; "": nobody asked */
+    const char *ring;                 /* models with commas between them */
     const struct dg_plan_wire_kind *wire; /* NULL: not said */
     const char *where;                    /* the wire's value; NULL: none */
     const char *nvm;

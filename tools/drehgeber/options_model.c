@@ -5,26 +5,25 @@
 #include "models.h"
 #include "options.h"
 
-/* A file that is wrong may be the one that has the model: it ends the search. */
-static bool has_model(void *ctx, const struct dg_plan *plan, const struct lx_error *error)
-{
-    struct options *self = ctx;
-    if (error != NULL) {
-        self->unread = *error;
-        return true;
-    }
-    self->device = dg_plan_find_model(plan, self->model);
-    return self->device != NULL;
-}
-
 /* A file of nothing but models stands for the last one of them; one with encoders is a rig. */
 static void read_model(struct options *self)
 {
-    self->file = models_read(self->model, &self->unread);
-    const struct dg_plan *plan = self->file == NULL ? NULL : &self->file->plan;
-    if (plan != NULL && plan->memory != NULL && plan->encoder_count == 0) {
-        self->device = plan->models[plan->model_count - 1u].device;
+    self->file = models_read(self->model);
+    if (self->file == NULL) {
+        (void)lx_fail(&self->unread, "%s: no memory", self->model);
+        return;
     }
+    const struct dg_plan *plan = &self->file->plan;
+    self->unread = self->file->unread;
+    if (plan->memory != NULL && plan->encoder_count == 0) {
+        self->text = &plan->models[plan->model_count - 1u];
+    }
+}
+
+static void search_model(struct options *self)
+{
+    self->file = models_read_all();
+    self->text = models_find(self->file, self->model, &self->unread);
 }
 
 /* An EDS file is the model. */
@@ -52,7 +51,10 @@ int options_find_model(struct options *self)
     if (self->device == NULL && models_is_file(self->model)) {
         read_model(self);
     } else if (self->device == NULL) {
-        self->file = models_search(has_model, self);
+        search_model(self);
+    }
+    if (self->text != NULL) {
+        self->device = self->text->device;
     }
     return 0;
 }
