@@ -406,6 +406,15 @@ struct dg_biss_form {
                                         C: CRC over all in front of it */
 };
 
+/** Whether MT, ST and all around them fit: dg_biss_form.fits where frames are as the layout says.
+ * For models that are C, as `drehgeber model --c` writes them; they link src/biss/form.c. */
+DG_API bool dg_biss_layout_fits(const struct dg_biss_model *model);
+/** dg_biss_form.make_frame of such a model. @return bits of the frame, 16..63 */
+DG_API uint8_t dg_biss_layout_make_frame(const struct dg_biss *self, uint8_t flags, uint64_t *bits);
+/** dg_biss_form.take_apart of such a model. */
+DG_API void dg_biss_layout_take_apart(const struct dg_biss_model *model, uint64_t bits,
+                                      struct dg_biss_data *out);
+
 /** Bits of a frame behind CDS, 16..63. */
 DG_API uint8_t dg_biss_frame_bits(const struct dg_biss_model *model);
 

@@ -189,6 +189,17 @@ struct dg_ssi_form {
     uint8_t around;      /**< bits of the layout, those of the position not counted */
 };
 
+/** Whether all figures are in their ranges: dg_ssi_form.fits where words are as the layout says.
+ * For models that are C, as `drehgeber model --c` writes them; they link src/ssi/form.c. */
+DG_API bool dg_ssi_layout_fits(const struct dg_ssi_model *model);
+/** dg_ssi_form.find_position of such a model. */
+DG_API uint64_t dg_ssi_layout_find_position(const struct dg_ssi *self, dg_ns now);
+/** dg_ssi_form.make_word of such a model. @return bits of the word, 1..64 */
+DG_API uint8_t dg_ssi_layout_make_word(const struct dg_ssi *self, uint8_t errors, uint64_t *word);
+/** dg_ssi_form.take_apart of such a model. @return 0 or DG_ERR_DAMAGED */
+DG_API int dg_ssi_layout_take_apart(const struct dg_ssi_model *model, uint64_t bits,
+                                    struct dg_ssi_frame *frame);
+
 /**
  * Make a device, without power, the clock line high.
  * @return 0 or DG_ERR_ARGUMENT (a pointer is missing, a figure is out of range)

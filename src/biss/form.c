@@ -55,7 +55,7 @@ static uint32_t crc_of(const struct dg_biss_form *form, struct dg_form_word word
     return form->crc_plain ? crc : crc ^ mask;
 }
 
-static bool fits(const struct dg_biss_model *model)
+bool dg_biss_layout_fits(const struct dg_biss_model *model)
 {
     return model->multiturn_bits <= DG_BISS_MULTITURN_BITS_MAX &&
            model->singleturn_bits >= DG_BISS_SINGLETURN_BITS_MIN &&
@@ -63,7 +63,7 @@ static bool fits(const struct dg_biss_model *model)
            dg_biss_frame_bits(model) <= DG_BISS_FRAME_BITS_MAX;
 }
 
-static uint8_t make_frame(const struct dg_biss *self, uint8_t flags, uint64_t *bits)
+uint8_t dg_biss_layout_make_frame(const struct dg_biss *self, uint8_t flags, uint64_t *bits)
 {
     const struct dg_biss_model *model = self->setup.model;
     const bool n_err = (flags & 2u) != 0;
@@ -99,7 +99,8 @@ static bool crc_fits(const struct dg_biss_model *model, const struct parts *part
            parts->list[CRC].value == crc_of(model->form, front);
 }
 
-static void take_apart(const struct dg_biss_model *model, uint64_t bits, struct dg_biss_data *out)
+void dg_biss_layout_take_apart(const struct dg_biss_model *model, uint64_t bits,
+                               struct dg_biss_data *out)
 {
     const struct dg_biss_form *form = model->form;
     struct parts parts;
@@ -120,9 +121,9 @@ static void take_apart(const struct dg_biss_model *model, uint64_t bits, struct 
 }
 
 const struct dg_biss_form dg_biss_any_form = {
-    .fits = fits,
-    .make_frame = make_frame,
-    .take_apart = take_apart,
+    .fits = dg_biss_layout_fits,
+    .make_frame = dg_biss_layout_make_frame,
+    .take_apart = dg_biss_layout_take_apart,
     .crc_poly = 0x43,
 };
 

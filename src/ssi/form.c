@@ -59,7 +59,7 @@ static bool is_high(const struct dg_ssi_model *model)
 }
 
 /* But for the widths all figures are those of a model without a form. */
-static bool fits(const struct dg_ssi_model *model)
+bool dg_ssi_layout_fits(const struct dg_ssi_model *model)
 {
     struct dg_ssi_model usual = *model;
 
@@ -73,7 +73,7 @@ static bool fits(const struct dg_ssi_model *model)
 
 /* Counts of a power of two are the upper bits of the angle, as many turns as there are bits for in
  * front of them; also below 0. */
-static uint64_t find_position(const struct dg_ssi *self, dg_ns now)
+uint64_t dg_ssi_layout_find_position(const struct dg_ssi *self, dg_ns now)
 {
     const struct dg_ssi_model *model = self->setup.model;
     const uint64_t angle = (uint64_t)dg_world_angle(self->setup.world, now);
@@ -83,7 +83,7 @@ static uint64_t find_position(const struct dg_ssi *self, dg_ns now)
 }
 
 /* The toggle bit changes with each position that is stored. */
-static uint8_t make_word(const struct dg_ssi *self, uint8_t errors, uint64_t *word)
+uint8_t dg_ssi_layout_make_word(const struct dg_ssi *self, uint8_t errors, uint64_t *word)
 {
     const struct dg_ssi_model *model = self->setup.model;
     const bool error = errors != 0;
@@ -103,7 +103,8 @@ static uint8_t make_word(const struct dg_ssi *self, uint8_t errors, uint64_t *wo
 }
 
 /* An error that inverts the parity cannot be told from a word that was damaged. */
-static int take_apart(const struct dg_ssi_model *model, uint64_t bits, struct dg_ssi_frame *frame)
+int dg_ssi_layout_take_apart(const struct dg_ssi_model *model, uint64_t bits,
+                             struct dg_ssi_frame *frame)
 {
     const char *layout = model->form->layout;
     struct parts parts;
@@ -125,7 +126,11 @@ static int take_apart(const struct dg_ssi_model *model, uint64_t bits, struct dg
 }
 
 const struct dg_ssi_form dg_ssi_any_form = {
-    .fits = fits, .find_position = find_position, .make_word = make_word, .take_apart = take_apart};
+    .fits = dg_ssi_layout_fits,
+    .find_position = dg_ssi_layout_find_position,
+    .make_word = dg_ssi_layout_make_word,
+    .take_apart = dg_ssi_layout_take_apart,
+};
 
 const char *dg_ssi_form_settle(const struct dg_ssi_model *model, struct dg_ssi_form *form)
 {

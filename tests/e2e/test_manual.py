@@ -12,7 +12,7 @@ from rig import MULTITURN, PATIENCE_S, PROGRAM, REPOSITORY, run
 
 MAN = REPOSITORY / "tools/man"
 COMPLETION = REPOSITORY / "tools/completion"
-COMMANDS = ["list", "faults", "run", "eds", "check", "biss", "ssi", "map", "fmu", "ctl", "top", "web", "help"]
+COMMANDS = ["list", "faults", "run", "eds", "check", "model", "biss", "ssi", "map", "fmu", "ctl", "top", "web", "help"]
 PAGES = ["drehgeber.1", *(f"drehgeber-{command}.1" for command in COMMANDS)]
 
 

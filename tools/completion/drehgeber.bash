@@ -4,7 +4,7 @@
 
 _drehgeber_commands()
 {
-    echo "list faults run check eds biss ssi map fmu ctl top web help"
+    echo "list faults run check eds model biss ssi map fmu ctl top web help"
 }
 
 _drehgeber_models()
@@ -13,6 +13,7 @@ _drehgeber_models()
         faults) echo " s3674-rs485 s3684-rs485 s3674-biss s3684-biss ssi-13 ssi-25 ssi-28 f3658 f3668 ocd-ib-k1 ocd-ib-k2 ocd-ib-k3" ;;
         run) echo " s3674-rs485 s3684-rs485 s3674-biss s3684-biss ssi-13 ssi-25 ssi-28 f3658 f3668 ocd-ib-k1 ocd-ib-k2 ocd-ib-k3" ;;
         eds) echo " f3658 f3668" ;;
+        model) echo " s3674-rs485 s3684-rs485 s3674-biss s3684-biss ssi-13 ssi-25 ssi-28 f3658 f3668 ocd-ib-k1 ocd-ib-k2 ocd-ib-k3" ;;
         biss) echo " s3674-biss s3684-biss" ;;
         ssi) echo " ssi-13 ssi-25 ssi-28" ;;
         map) echo " ocd-ib-k1 ocd-ib-k2 ocd-ib-k3" ;;
@@ -52,6 +53,7 @@ _drehgeber_options()
         run) echo " --pty= --tty= --rs485= --sim --gpio= --can= --slcan= --socketcand= --silkit= --modbus= --ring= --nvm= --serial= --node= --shaft= --set= --control= --files= --trace= --time= --verbose --quiet --help --version" ;;
         check) echo " --help" ;;
         eds) echo " --help" ;;
+        model) echo " --c --help" ;;
         biss) echo " --nvm= --serial= --shaft= --set= --trace= --help" ;;
         ssi) echo " --shaft= --set= --trace= --help" ;;
         map) echo " --ring= --help" ;;

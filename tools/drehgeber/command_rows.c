@@ -59,6 +59,13 @@ const struct command_row command_rows[] = {
         .stack = &dg_cia406_stack,
     },
     {
+        .name = "model",
+        .command = COMMAND_MODEL,
+        .usage = "model MODEL --c",
+        .help = "a model as C, for a program of your own",
+        .takes = " c ",
+    },
+    {
         .name = "biss",
         .command = COMMAND_ASK,
         .usage = "biss MODEL ACTION [OPTIONS]",

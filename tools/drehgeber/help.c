@@ -49,6 +49,11 @@ static const struct {
     {"eds", "An electronic data sheet as CiA 306 has it, made of the object dictionary.\n"
             "\n"
             "  drehgeber eds f3668 > f3668.eds\n"},
+    {"model", "It is a text on stdout: the model's figures as a struct, and a dg_device for\n"
+              "dg_host_init() and its like. It links with the library, or with the protocol's\n"
+              "folder of its sources.\n"
+              "\n"
+              "  drehgeber model rls-la11-26 --c > rls_la11_26.c\n"},
     {"biss", "The encoder is switched on, and its answers are printed.\n"
              "\n"
              "  drehgeber biss s3684-biss read --shaft 90DEG --trace biss.vcd\n"

@@ -13,6 +13,7 @@
 #include "help.h"
 #include "list.h"
 #include "modbus_map.h"
+#include "model_c.h"
 #include "options.h"
 #include "run.h"
 #include "top.h"
@@ -125,45 +126,55 @@ static int ctl(const struct options *options)
     return ctl_command(&wanted, options->words, options->word_count);
 }
 
+static int list(const struct options *options)
+{
+    return printed(list_command(options));
+}
+
+static int faults(const struct options *options)
+{
+    return printed(faults_command(options));
+}
+
+static int model(const struct options *options)
+{
+    return printed(model_command(options));
+}
+
+static int help(const struct options *options)
+{
+    help_print(options);
+    return flushed();
+}
+
+static int version(const struct options *options)
+{
+    (void)options;
+    (void)printf("drehgeber %s\n", dg_version());
+    return flushed();
+}
+
+static int ask(const struct options *options)
+{
+    return options->row->ask(options);
+}
+
+/* NULL: refused by options_parse() */
+static int (*const acts[])(const struct options *) = {
+    [COMMAND_NONE] = NULL,       [COMMAND_LIST] = list, [COMMAND_FAULTS] = faults,
+    [COMMAND_RUN] = run_rig,     [COMMAND_EDS] = eds,   [COMMAND_CHECK] = check,
+    [COMMAND_MODEL] = model,     [COMMAND_ASK] = ask,   [COMMAND_MAP] = map,
+    [COMMAND_FMU] = fmu_command, [COMMAND_CTL] = ctl,   [COMMAND_TOP] = top,
+    [COMMAND_WEB] = web_command, [COMMAND_HELP] = help, [COMMAND_VERSION] = version,
+};
+_Static_assert(DG_COUNT(acts) == COMMAND_COUNT, "a row for each command");
+
 static int act(const struct options *options)
 {
-    const struct dg_device *device = options->device;
-    if (!wire_fits(options, device) || !file_is_read(options)) {
+    if (!wire_fits(options, options->device) || !file_is_read(options)) {
         return EXIT_USAGE;
     }
-    switch (options->command) {
-    case COMMAND_LIST:
-        return printed(list_command(options));
-    case COMMAND_FAULTS:
-        return printed(faults_command(options));
-    case COMMAND_HELP:
-        help_print(options);
-        return flushed();
-    case COMMAND_VERSION:
-        (void)printf("drehgeber %s\n", dg_version());
-        return flushed();
-    case COMMAND_EDS:
-        return eds(options);
-    case COMMAND_CHECK:
-        return check(options);
-    case COMMAND_RUN:
-        return run_rig(options);
-    case COMMAND_ASK:
-        return options->row->ask(options);
-    case COMMAND_MAP:
-        return map(options);
-    case COMMAND_FMU:
-        return fmu_command(options);
-    case COMMAND_CTL:
-        return ctl(options);
-    case COMMAND_TOP:
-        return top(options);
-    case COMMAND_WEB:
-        return web_command(options);
-    case COMMAND_NONE: /* refused by options_parse() */
-        break;
-    }
-    return EXIT_USAGE;
+    return acts[options->command] == NULL ? EXIT_USAGE : acts[options->command](options);
 }
 
 /* A stream that came closed stays one that cannot be written to. Otherwise the next file opened,

@@ -10,178 +10,15 @@
 #include "can.h"
 #include "drehgeber/drehgeber.h"
 #include "eds_file.h"
-
-enum key {
-    KEY_HELP = 'h',
-    KEY_VERSION = 'V',
-    KEY_QUIET = 'q',
-    KEY_OUTPUT = 'o',
-    KEY_NODE = 256,
-    KEY_TRACE,
-    KEY_FILES,
-    KEY_TIME,
-    KEY_FMI,
-    KEY_LISTEN,
-    KEY_TOKEN,
-    KEY_WATCH,
-    KEY_TIMEOUT,
-    KEY_JSON,
-    KEY_RING,
-    KEY_NVM,
-    KEY_SERIAL,
-    KEY_SET,
-    KEY_SHAFT,
-    KEY_CONTROL,
-    KEY_VERBOSE,
-    KEY_WIRE, /* and one more for each kind of wire */
-};
-
-/* Behind the wires. */
-static const struct argp_option rows[] = {
-    {
-        .doc = "Options:",
-        .group = 2,
-    },
-    {
-        .name = "ring",
-        .key = KEY_RING,
-        .arg = "MODELS",
-        .doc = "INTERBUS: all encoders of the ring, with commas between them",
-    },
-    {
-        .name = "nvm",
-        .key = KEY_NVM,
-        .arg = "FILE",
-        .doc = "keep the EEPROM in FILE, made when it does not exist (default: forgotten at the "
-               "end)",
-    },
-    {
-        .name = "serial",
-        .key = KEY_SERIAL,
-        .arg = "N",
-        .doc = "serial number, up to 9 digits, CANopen 10",
-    },
-    {
-        .name = "node",
-        .key = KEY_NODE,
-        .arg = "N[..M]",
-        .doc = "CANopen node-ID (default: 63), or several; each has its own EEPROM FILE.N",
-    },
-    {
-        .name = "shaft",
-        .key = KEY_SHAFT,
-        .arg = "MOTION",
-        .doc = "what the shaft does, see below (default: 0)",
-    },
-    {
-        .name = "set",
-        .key = KEY_SET,
-        .arg = "KEY=VALUE",
-        .doc = "see below; may be given again",
-    },
-    {
-        .name = "control",
-        .key = KEY_CONTROL,
-        .arg = "ADDRESS",
-        .doc = "SCPI at unix:PATH or tcp:HOST:PORT (loopback; ,open: beyond it, too), ,token=FILE "
-               "behind it: for who knows the token; may be given again; for ctl also tty:PATH, "
-               "the console of a board (default: unix:$XDG_RUNTIME_DIR/drehgeber/NAME.sock; in a "
-               "service unix:$RUNTIME_DIRECTORY/NAME.sock)",
-    },
-    {
-        .name = "files",
-        .key = KEY_FILES,
-        .arg = "DIR",
-        .doc = "traces, recordings and motions that SCPI names lie below DIR (default: here for "
-               "unix:, nowhere for tcp:)",
-    },
-    {
-        .name = "trace",
-        .key = KEY_TRACE,
-        .arg = "FILE",
-        .doc = "what goes over the wire: .vcd (RS485, BiSS, SSI), .log or .pcapng (CAN), .csv "
-               "(INTERBUS)",
-    },
-    {
-        .name = "time",
-        .key = KEY_TIME,
-        .arg = "virtual:SPAN",
-        .doc = "live for a span such as 2.5S, 10MIN or 1H of virtual time, as fast as the machine "
-               "can, and end",
-    },
-    {
-        .name = "output",
-        .key = KEY_OUTPUT,
-        .arg = "FILE",
-        .doc = "the FMU",
-    },
-    {
-        .name = "fmi",
-        .key = KEY_FMI,
-        .arg = "VERSION",
-        .doc = "of the FMU: 3, or 2, which has signals only (default: 3)",
-    },
-    {
-        .name = "listen",
-        .key = KEY_LISTEN,
-        .arg = "HOST:PORT",
-        .doc = "of the page (loopback; ,open: beyond it, too; port 0: any free one; default: "
-               "127.0.0.1:8080)",
-    },
-    {
-        .name = "token",
-        .key = KEY_TOKEN,
-        .arg = "FILE",
-        .doc = "for who knows the token in FILE (default: a new one, in the address that is "
-               "printed)",
-    },
-    {
-        .name = "watch",
-        .key = KEY_WATCH,
-        .doc = "the page shows, and changes nothing",
-    },
-    {
-        .name = "timeout",
-        .key = KEY_TIMEOUT,
-        .arg = "SPAN",
-        .doc = "end when nothing has come for a span such as 10S or 5MIN (default: 60S, no limit "
-               "with *OPC? or *WAI)",
-    },
-    {
-        .name = "json",
-        .key = KEY_JSON,
-        .doc = "for programs: an array of objects",
-    },
-    {
-        .name = "verbose",
-        .key = KEY_VERBOSE,
-        .doc = "what goes over the wire in words, on stderr",
-    },
-    {
-        .name = "quiet",
-        .key = KEY_QUIET,
-        .doc = "no notes on stderr, only complaints",
-    },
-    {
-        .name = "help",
-        .key = KEY_HELP,
-        .doc = "this text; behind a command that of the command, and nothing is started",
-    },
-    {
-        .name = "version",
-        .key = KEY_VERSION,
-        .doc = "the version",
-    },
-};
-#define ROW_COUNT DG_COUNT(rows)
+#include "options_rows.h"
 
 /* --- the table of options --- */
 
 /* Options that only those commands have which list them in `takes`. */
 static bool of_few(const struct argp_option *option)
 {
-    static const int keys[] = {KEY_JSON,  KEY_OUTPUT, KEY_FMI,    KEY_LISTEN,
-                               KEY_TOKEN, KEY_WATCH,  KEY_TIMEOUT};
+    static const int keys[] = {KEY_JSON,  KEY_OUTPUT, KEY_FMI,     KEY_LISTEN,
+                               KEY_TOKEN, KEY_WATCH,  KEY_TIMEOUT, KEY_C};
     for (size_t i = 0; i < DG_COUNT(keys); i++) {
         if (option->key == keys[i]) {
             return true;
@@ -223,7 +60,7 @@ static bool serves(const struct argp_option *option, const struct lx_stack *stac
 
 struct argp_option *options_table(const struct command_row *row, const struct lx_stack *stack)
 {
-    struct argp_option *table = calloc(dg_plan_wire_count + ROW_COUNT + 2u, sizeof *table);
+    struct argp_option *table = calloc(dg_plan_wire_count + option_row_count + 2u, sizeof *table);
     size_t n = 0;
     if (table == NULL) {
         return NULL;
@@ -236,9 +73,9 @@ struct argp_option *options_table(const struct command_row *row, const struct lx
             }
         }
     }
-    for (size_t i = 0; i < ROW_COUNT; i++) {
-        if (takes(row, &rows[i]) && serves(&rows[i], stack)) {
-            table[n++] = rows[i];
+    for (size_t i = 0; i < option_row_count; i++) {
+        if (takes(row, &option_rows[i]) && serves(&option_rows[i], stack)) {
+            table[n++] = option_rows[i];
         }
     }
     return table;
@@ -397,6 +234,16 @@ static const struct {
 };
 #define TEXT_COUNT DG_COUNT(texts)
 
+/* Options without one: that they are given is what they say. */
+static const struct {
+    int key;
+    size_t offset; /* of the bool in struct options */
+} switches[] = {
+    {KEY_JSON, offsetof(struct options, json)},   {KEY_VERBOSE, offsetof(struct options, verbose)},
+    {KEY_WATCH, offsetof(struct options, watch)}, {KEY_QUIET, offsetof(struct options, say.quiet)},
+    {KEY_C, offsetof(struct options, c)},
+};
+
 /* An empty one is most likely an empty variable of a script. */
 static error_t take_text(struct options *self, int key, size_t offset, const char *value)
 {
@@ -413,32 +260,26 @@ static error_t take_text(struct options *self, int key, size_t offset, const cha
 
 static error_t take_option(struct options *self, int key, const char *value)
 {
+    const bool given = true;
     for (size_t i = 0; i < TEXT_COUNT; i++) {
         if (texts[i].key == key) {
             return take_text(self, key, texts[i].offset, value);
         }
     }
-    switch (key) {
-    case KEY_SET:
+    for (size_t i = 0; i < DG_COUNT(switches); i++) {
+        if (switches[i].key == key) {
+            memcpy((char *)self + switches[i].offset, &given, sizeof given);
+            return 0;
+        }
+    }
+    if (key == KEY_SET) {
         return lx_plan_add_assignment(&self->settings, value, 0, &self->error) == 0 ? 0 : EINVAL;
-    case KEY_CONTROL:
+    }
+    if (key == KEY_CONTROL) {
         self->controls[self->control_count++] = value;
         return 0;
-    case KEY_WATCH:
-        self->watch = true;
-        return 0;
-    case KEY_JSON:
-        self->json = true;
-        return 0;
-    case KEY_VERBOSE:
-        self->verbose = true;
-        return 0;
-    case KEY_QUIET:
-        self->say.quiet = true;
-        return 0;
-    default:
-        return take_wire(self, key, value);
     }
+    return take_wire(self, key, value);
 }
 
 static bool is_option(const char *word)

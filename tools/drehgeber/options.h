@@ -23,6 +23,7 @@ enum command {
     COMMAND_RUN,
     COMMAND_EDS,
     COMMAND_CHECK,
+    COMMAND_MODEL,
     COMMAND_ASK, /* as the row's `ask` does it */
     COMMAND_MAP,
     COMMAND_FMU,
@@ -31,6 +32,7 @@ enum command {
     COMMAND_WEB,
     COMMAND_HELP,
     COMMAND_VERSION,
+    COMMAND_COUNT
 };
 
 struct eds_file;
@@ -44,7 +46,7 @@ struct command_row {
     const char *usage; /* behind "drehgeber " */
     const char *help;  /* may have several lines */
     const char *takes; /* its options, with blanks around each; NULL: all but those of files that
-                          it writes, and of the page: "json", "output", "fmi",
+                          it writes, and of the page: "json", "c", "output", "fmi",
                           "listen", "token", "watch", "timeout" */
     /* COMMAND_ASK: do what options->words say over a simulated wire. Prints its own errors.
        @return how the program ends */
@@ -88,6 +90,7 @@ struct options {
     const char **controls;            /* owned; as many as argc at most */
     size_t control_count;
     bool json;
+    bool c;
     bool watch;
     bool verbose;
     struct lx_say say;

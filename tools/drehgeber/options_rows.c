@@ -1,0 +1,147 @@
+/* SPDX-License-Identifier: MIT */
+#include "options_rows.h"
+
+#include "drehgeber/api.h"
+
+const struct argp_option option_rows[] = {
+    {
+        .doc = "Options:",
+        .group = 2,
+    },
+    {
+        .name = "ring",
+        .key = KEY_RING,
+        .arg = "MODELS",
+        .doc = "INTERBUS: all encoders of the ring, with commas between them",
+    },
+    {
+        .name = "nvm",
+        .key = KEY_NVM,
+        .arg = "FILE",
+        .doc = "keep the EEPROM in FILE, made when it does not exist (default: forgotten at the "
+               "end)",
+    },
+    {
+        .name = "serial",
+        .key = KEY_SERIAL,
+        .arg = "N",
+        .doc = "serial number, up to 9 digits, CANopen 10",
+    },
+    {
+        .name = "node",
+        .key = KEY_NODE,
+        .arg = "N[..M]",
+        .doc = "CANopen node-ID (default: 63), or several; each has its own EEPROM FILE.N",
+    },
+    {
+        .name = "shaft",
+        .key = KEY_SHAFT,
+        .arg = "MOTION",
+        .doc = "what the shaft does, see below (default: 0)",
+    },
+    {
+        .name = "set",
+        .key = KEY_SET,
+        .arg = "KEY=VALUE",
+        .doc = "see below; may be given again",
+    },
+    {
+        .name = "control",
+        .key = KEY_CONTROL,
+        .arg = "ADDRESS",
+        .doc = "SCPI at unix:PATH or tcp:HOST:PORT (loopback; ,open: beyond it, too), ,token=FILE "
+               "behind it: for who knows the token; may be given again; for ctl also tty:PATH, "
+               "the console of a board (default: unix:$XDG_RUNTIME_DIR/drehgeber/NAME.sock; in a "
+               "service unix:$RUNTIME_DIRECTORY/NAME.sock)",
+    },
+    {
+        .name = "files",
+        .key = KEY_FILES,
+        .arg = "DIR",
+        .doc = "traces, recordings and motions that SCPI names lie below DIR (default: here for "
+               "unix:, nowhere for tcp:)",
+    },
+    {
+        .name = "trace",
+        .key = KEY_TRACE,
+        .arg = "FILE",
+        .doc = "what goes over the wire: .vcd (RS485, BiSS, SSI), .log or .pcapng (CAN), .csv "
+               "(INTERBUS)",
+    },
+    {
+        .name = "time",
+        .key = KEY_TIME,
+        .arg = "virtual:SPAN",
+        .doc = "live for a span such as 2.5S, 10MIN or 1H of virtual time, as fast as the machine "
+               "can, and end",
+    },
+    {
+        .name = "output",
+        .key = KEY_OUTPUT,
+        .arg = "FILE",
+        .doc = "the FMU",
+    },
+    {
+        .name = "fmi",
+        .key = KEY_FMI,
+        .arg = "VERSION",
+        .doc = "of the FMU: 3, or 2, which has signals only (default: 3)",
+    },
+    {
+        .name = "listen",
+        .key = KEY_LISTEN,
+        .arg = "HOST:PORT",
+        .doc = "of the page (loopback; ,open: beyond it, too; port 0: any free one; default: "
+               "127.0.0.1:8080)",
+    },
+    {
+        .name = "token",
+        .key = KEY_TOKEN,
+        .arg = "FILE",
+        .doc = "for who knows the token in FILE (default: a new one, in the address that is "
+               "printed)",
+    },
+    {
+        .name = "watch",
+        .key = KEY_WATCH,
+        .doc = "the page shows, and changes nothing",
+    },
+    {
+        .name = "timeout",
+        .key = KEY_TIMEOUT,
+        .arg = "SPAN",
+        .doc = "end when nothing has come for a span such as 10S or 5MIN (default: 60S, no limit "
+               "with *OPC? or *WAI)",
+    },
+    {
+        .name = "c",
+        .key = KEY_C,
+        .doc = "for a compiler: figures, and a device that has them",
+    },
+    {
+        .name = "json",
+        .key = KEY_JSON,
+        .doc = "for programs: an array of objects",
+    },
+    {
+        .name = "verbose",
+        .key = KEY_VERBOSE,
+        .doc = "what goes over the wire in words, on stderr",
+    },
+    {
+        .name = "quiet",
+        .key = KEY_QUIET,
+        .doc = "no notes on stderr, only complaints",
+    },
+    {
+        .name = "help",
+        .key = KEY_HELP,
+        .doc = "this text; behind a command that of the command, and nothing is started",
+    },
+    {
+        .name = "version",
+        .key = KEY_VERSION,
+        .doc = "the version",
+    },
+};
+const size_t option_row_count = DG_COUNT(option_rows);
