@@ -97,6 +97,8 @@ struct dg_hdl {
     struct lx_nvm_file memory;
     struct lx_shaft shaft; /**< points of the motion at hand */
     int64_t now;
+    int64_t due;      /**< nothing happens before by itself: neither does a change arrive, nor does
+                           the encoder do anything */
     int64_t power_at; /**< the first power comes; HDL_NEVER before the first look, and afterwards */
     int64_t panel_due;
     int64_t hint_due; /**< when the encoder may have something to tell the user */

@@ -128,6 +128,12 @@ static int64_t own_due(const struct dg_hdl *self)
     return self->wire->due != NULL ? earlier(due, self->wire->due(self)) : due;
 }
 
+/* Whoever has changed something of the encoder, or has put a change on its way, ends with this. */
+static void note_due(struct dg_hdl *self)
+{
+    self->due = earlier(earlier(head_of(&self->in), head_of(&self->out)), own_due(self));
+}
+
 /* The first power: what the encoder has seen of its lines so far is nothing. */
 static void switch_power_on(struct dg_hdl *self, int64_t at)
 {
@@ -158,12 +164,12 @@ static void serve(struct dg_hdl *self, int64_t at)
 void hdl_look(struct dg_hdl *self)
 {
     serve(self, self->now);
+    note_due(self);
 }
 
-uint64_t hdl_run(struct dg_hdl *self, int64_t now)
+/* What is due up to `until`. */
+static void run_due(struct dg_hdl *self, int64_t until)
 {
-    const int64_t present = earlier(now, HDL_END);
-    const int64_t until = present > self->now ? present : self->now;
     int64_t in = head_of(&self->in);
     int64_t own = own_due(self);
 
@@ -180,17 +186,27 @@ uint64_t hdl_run(struct dg_hdl *self, int64_t now)
         in = head_of(&self->in);
         own = later > self->now ? later : self->now + 1;
     }
-    self->now = until;
     while (head_of(&self->out) <= until) {
         self->outputs = take(&self->out);
     }
+    note_due(self);
+}
+
+uint64_t hdl_run(struct dg_hdl *self, int64_t now)
+{
+    const int64_t present = earlier(now, HDL_END);
+    const int64_t until = present > self->now ? present : self->now;
+
+    if (self->due <= until) {
+        run_due(self, until);
+    }
+    self->now = until;
     return (uint64_t)(until / HDL_PS_PER_NS);
 }
 
 int64_t dg_hdl_next(const struct dg_hdl *self)
 {
-    const int64_t wires = earlier(head_of(&self->in), head_of(&self->out));
-    int64_t next = earlier(earlier(wires, own_due(self)), self->hint_due);
+    int64_t next = earlier(self->due, self->hint_due);
 
     /* Time that nobody looks at is time that nobody can steer in. */
     if (self->control != NULL) {
@@ -212,6 +228,7 @@ static bool takes_edges(struct dg_hdl *self, int delayed)
     if (!self->looked) {
         self->looked = true;
         self->power_at = self->now + self->settings.power_on;
+        self->due = earlier(self->due, self->power_at);
     }
     self->listens = self->listens || (self->power_at == HDL_NEVER &&
                                       (delayed == idle || (self->inputs & ~DG_HDL_BEHIND) == idle));
@@ -238,6 +255,22 @@ static int look_for_hint(struct dg_hdl *self)
     return self->hint != NULL ? DG_HDL_HINT : 0;
 }
 
+/* Chance is asked for changes alone: a look in between makes no other trace. Without a cable the
+   change is at the encoder at once. */
+static void send_inputs(struct dg_hdl *self, int levels)
+{
+    const int64_t at = self->now + self->settings.delay_in + jitter(self);
+
+    if (at > self->now || self->in.count != 0) {
+        put(&self->in, at, levels);
+    } else {
+        self->in.last = at;
+        self->in.levels = levels;
+        self->wire->take(self, self->now, levels);
+    }
+    note_due(self);
+}
+
 int dg_hdl_wires(struct dg_hdl *self, int64_t now, int inputs)
 {
     const uint64_t ns = hdl_run(self, now);
@@ -246,17 +279,18 @@ int dg_hdl_wires(struct dg_hdl *self, int64_t now, int inputs)
     if (self->control != NULL) {
         hdl_control_poll(self);
     }
-
-    /* Chance is asked for changes alone: a look in between makes no other trace. */
-    if (takes_edges(self, delayed) && delayed != self->in.levels) {
-        put(&self->in, self->now + self->settings.delay_in + jitter(self), delayed);
-        (void)hdl_run(self, self->now);
+    const bool changes = takes_edges(self, delayed) && delayed != self->in.levels;
+    if (changes) {
+        send_inputs(self, delayed);
     }
     if (((inputs ^ self->inputs) & DG_HDL_BEHIND) != 0 && self->wire == &hdl_clocked) {
         (void)dg_host_behind(self->host, ns, (inputs & DG_HDL_BEHIND) != 0);
+        note_due(self);
     }
     self->inputs = inputs;
-    return self->outputs | look_for_hint(self);
+    /* What there is to tell begins with power or its end, and waits: never with an edge. */
+    self->hint = NULL;
+    return self->outputs | (changes && self->hint_due == HDL_NEVER ? 0 : look_for_hint(self));
 }
 
 /* --- BiSS and SSI --- */

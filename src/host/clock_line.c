@@ -14,7 +14,10 @@ int dg_host_clock(struct dg_host *self, uint64_t now, bool level)
     if (!self->made) {
         return DG_HOST_ERR_STATE;
     }
-    dg_host_run(self, now);
+    if (dg_host_next(self) <= now) {
+        dg_host_run(self, now);
+    }
+    self->line.now = now > self->line.now ? now : self->line.now;
     (void)self->refs.wire->clock(&self->line, self->line.now, level);
     dg_host_serve(self);
     return self->line.level ? 1 : 0;

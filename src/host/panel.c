@@ -264,8 +264,10 @@ static bool bent(void *ctx, bool raw)
         return raw;
     }
     follow(self, raw);
-    if (dg_line_fault_due(&self->line) &&
-        self->host->refs.device->stack->step(self->host->line.device, 0) == DG_NEVER) {
+    if (!dg_line_fault_due(&self->line)) {
+        return raw;
+    }
+    if (self->host->refs.device->stack->step(self->host->line.device, 0) == DG_NEVER) {
         dg_line_fault_end(&self->line);
     }
     return dg_line_fault_level(&self->line, raw);
