@@ -24,6 +24,7 @@ extern "C" {
 #endif
 
 struct dg_instrument;
+struct dg_model_file;
 struct dg_words;
 
 /** Physical counts a turn (STA_U): 16 bit. */
@@ -160,6 +161,9 @@ struct dg_cia406_file {
  */
 DG_API int dg_cia406_read(struct dg_cia406_file *self, const struct dg_eds_setup *setup,
                           struct dg_eds_note *error);
+
+/** The same behind the seam of all protocols, see model.h; an object file of its own. */
+DG_API extern const struct dg_model_file dg_cia406_model_file;
 
 /** What can be set of an encoder before it is made. */
 struct dg_cia406_settings {

@@ -13,7 +13,8 @@
 #include "drehgeber/api.h"
 #include "drehgeber/stack.h"
 
-struct dg_model_text; /* model.h */
+struct dg_model_file; /* model.h, likewise the next */
+struct dg_model_text;
 
 #ifdef __cplusplus
 extern "C" {
@@ -28,6 +29,9 @@ DG_API const struct dg_device *dg_device_find(const char *name);
 
 /** What a text can say of models of `stack`; NULL: nothing. Links all stacks. */
 DG_API const struct dg_model_text *dg_model_text_of(const struct dg_stack *stack);
+
+/** How a model is made of the file called `name`, which goes by its ending; NULL: it is none. */
+DG_API const struct dg_model_file *dg_model_file_of(const char *name);
 
 #ifdef __cplusplus
 }

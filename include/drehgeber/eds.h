@@ -14,6 +14,7 @@
 
 #include "drehgeber/api.h"
 #include "drehgeber/canopen.h"
+#include "drehgeber/text.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -67,7 +68,11 @@ struct dg_eds_note {
     char value[48];
     const char *what;  /**< what is done with it, or wrong */
     const char *right; /**< what is expected; NULL: nothing else */
+    bool lacks;        /**< the file promises what the node does not do; else it was tolerated */
 };
+
+/** Append where it stands in its section: "[6501] DefaultValue=No"; nothing if that is not said. */
+DG_API void dg_co_say_place(const struct dg_eds_note *note, struct dg_text *to);
 
 /** A file to be read. */
 struct dg_eds_setup {
@@ -105,6 +110,7 @@ struct dg_co_file {
     uint16_t plain;     /**< ... and values */
     uint8_t node_id;    /**< as the file says; 0: it does not */
     uint32_t serial;    /**< 1018h:4 of the file; 0: it does not say */
+    size_t used;        /**< bytes of the memory, from its beginning; the rest is free again */
     size_t cells_at;    /**< bytes from dg_co_setup.application to the cells' values */
     const char *vendor; /**< "": the file does not say */
 };
@@ -126,6 +132,20 @@ struct dg_co_ground {
  */
 DG_API int dg_co_read(struct dg_co_file *self, const struct dg_eds_setup *setup,
                       const struct dg_co_ground *ground, struct dg_eds_note *error);
+
+/** What a sub-index does. */
+enum dg_co_role {
+    DG_CO_SIMULATED,
+    DG_CO_STORES,   /**< any value within its limits */
+    DG_CO_CONSTANT, /**< its default, for ever */
+    DG_CO_ROLE_COUNT
+};
+
+/** What row `n` of the file's dictionary does. */
+DG_API enum dg_co_role dg_co_role_of(const struct dg_co_file *self, uint16_t n);
+
+/** Line of the first section of an object, e.g. [6501]; 0: there is none. */
+DG_API unsigned dg_co_find_object(const struct dg_eds_setup *setup, uint16_t index);
 
 /** The values of the cells of a node with such a device: as many as its file has cells. */
 DG_API uint32_t *dg_co_cells(const struct dg_co_node *node);

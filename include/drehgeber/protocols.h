@@ -26,6 +26,10 @@
 /** ROW(PREFIX) for those that have dg_PREFIX_model_text; a model of another one is no text. */
 #define DG_PROTOCOLS_WITH_MODEL_TEXT(ROW) ROW(hf) ROW(biss) ROW(ib) ROW(ssi)
 
+/** ROW(PREFIX) for those that have dg_PREFIX_model_file: files of another kind are models of
+ * theirs. */
+#define DG_PROTOCOLS_WITH_MODEL_FILE(ROW) ROW(cia406)
+
 /* clang-format off */
 /** ROW(NAME) for each model: there is dg_NAME, a struct dg_device. They are listed in this order.
  */

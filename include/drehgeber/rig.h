@@ -41,6 +41,8 @@ extern "C" {
 #define DG_PLAN_DEPTH_MAX 8u
 /** Bytes of all included files together. */
 #define DG_PLAN_INCLUDED_MAX 1048576u
+/** Bytes of all files that are models together. */
+#define DG_PLAN_MODEL_FILES_MAX 8388608u
 
 /* ---------------------------------------------------------------- what was read */
 
@@ -69,6 +71,15 @@ struct dg_plan_model {
     const char *unmodelled;         /**< what it is not like, likewise */
     unsigned depth;                 /**< models below it, with the built-in one */
     dg_plan_line line;              /**< of the section */
+};
+
+/** A file that is a model, such as an EDS file. */
+struct dg_plan_model_file {
+    const char *file;               /**< from where the first file is */
+    const struct dg_device *device; /**< as everywhere; its name is not the file's */
+    unsigned lacks;                 /**< what it promises and the encoder does not do */
+    uint8_t address;                /**< of encoders without one; 0: as of all of the protocol */
+    dg_plan_line line;              /**< of the first word that names it */
 };
 
 /** An address that nobody has given. */
@@ -171,6 +182,8 @@ struct dg_plan {
     size_t encoder_count;
     struct dg_plan_model *models; /**< that the file brings, whether encoders have them or not */
     size_t model_count;
+    struct dg_plan_model_file *model_files; /**< each once */
+    size_t model_file_count;
     void *memory; /**< what the host has lent; NULL: none */
     /* Of the reader only. */
     struct dg_plan_name *names; /* a hash table of what stands once */
@@ -223,9 +236,10 @@ struct dg_plan_setup {
     struct dg_plan_text text;
     void *memory; /**< for the plan, as long as it is used; aligned for any type */
     size_t memory_size;
-    /** The text of a file that is included, valid until dg_plan_read() returns. `path` leads
-     * there from where `file` does, and not out of its folder by its words; links are the host's to
-     * look at. NULL: nothing can be included. @return NULL, or what is wrong with it, in words */
+    /** The text of a file that is included, or is a model, valid until dg_plan_read() returns.
+     * `path` leads there from where `file` does, and not out of its folder by its words; links are
+     * the host's to look at. NULL: there are no files. @return NULL, or what is wrong with it, in
+     * words */
     const char *(*include)(void *ctx, const char *path, struct dg_plan_text *to);
     void *ctx;
 };

@@ -74,30 +74,54 @@ static void merge_entries(struct eds_reader *in)
     in->count = kept;
 }
 
-void dg_co_note_entry(struct eds_reader *self, const struct eds_entry *entry, const char *key,
-                      const char *what, const char *right)
+/* "1018sub1", in `to` */
+static size_t name_entry(const struct eds_entry *entry, char to[10])
 {
     static const char digits[] = "0123456789ABCDEF";
     const uint32_t sub = entry->key >> 8 & 0xFFu;
-    char name[9];
     size_t n = 4;
-    const size_t length = dg_text_length(key, KEY_MAX);
 
     for (uint8_t i = 0; i < 4; i++) {
-        name[i] = digits[entry->key >> (28u - 4u * i) & 0xFu];
+        to[i] = digits[entry->key >> (28u - 4u * i) & 0xFu];
     }
-    if (entry->rank != EDS_OBJECT) {
-        memcpy(&name[n], "sub", 3);
-        n += 3;
-        name[n++] = digits[sub >> 4];
-        name[n++] = digits[sub & 0xFu];
-        if (sub < 0x10u) {
-            name[7] = name[8];
-            n--;
-        }
+    if (entry->rank == EDS_OBJECT) {
+        return n;
     }
-    const struct eds_place place = {
-        .line = entry->line, .section = {name, n}, .key = {key, length}};
+    memcpy(&to[n], "sub", 3);
+    n += 3;
+    if (sub >= 0x10u) {
+        to[n++] = digits[sub >> 4];
+    }
+    to[n++] = digits[sub & 0xFu];
+    return n;
+}
+
+/* Of a key of an entry; `name` is room for the section's. */
+static struct eds_place place_of(const struct eds_entry *entry, const char *key, char name[10])
+{
+    return (struct eds_place){
+        .line = entry->line,
+        .section = {name, name_entry(entry, name)},
+        .key = {key, dg_text_length(key, KEY_MAX)},
+    };
+}
+
+void dg_co_note_entry(struct eds_reader *self, const struct eds_entry *entry, const char *key,
+                      const char *what, const char *right)
+{
+    char name[10];
+    const struct eds_place place = place_of(entry, key, name);
+
+    dg_co_note_place(self, &place, what, right);
+}
+
+void dg_co_note_lack(struct eds_reader *self, const struct eds_entry *entry, const char *key,
+                     const char *what, const char *right)
+{
+    char name[10];
+    struct eds_place place = place_of(entry, key, name);
+
+    place.lacks = true;
     dg_co_note_place(self, &place, what, right);
 }
 
@@ -306,11 +330,12 @@ static void note_whole(struct eds_maker *self)
                          "lists name other objects than there are sections: sections count", NULL);
     }
     if ((to->device.device_type & 0xFFFFu) != self->ground->profile) {
-        const struct eds_place type = {.section = {"1000", 4}};
+        const struct eds_place type = {.section = {"1000", 4}, .lacks = true};
         dg_co_note_place(in, &type, "another profile: its objects are values only", NULL);
     }
     if (to->kept < to->cell_count) {
-        dg_co_note_place(in, &nowhere,
+        const struct eds_place place = {.lacks = true};
+        dg_co_note_place(in, &place,
                          "more values than 1010h can keep: those behind are lost at power-off",
                          NULL);
     }
@@ -327,7 +352,7 @@ static int make_device(struct eds_maker *self)
     }
     dg_co_make_rows(self);
     if (device->dictionary.count == 0) {
-        return dg_co_refuse_text(&self->in, "no object that can be read", "an EDS or DCF file");
+        return dg_co_refuse_text(&self->in, 0, "no object that can be read", "an EDS or DCF file");
     }
     device->dictionary.limits = self->limits;
     device->dictionary.hooks = self->hooks;
@@ -351,9 +376,39 @@ int dg_co_read(struct dg_co_file *self, const struct dg_eds_setup *setup,
 
     *self = (struct dg_co_file){.base = NULL};
     if (setup->size != sizeof *setup || memory == NULL) {
-        return dg_co_refuse_text(&maker.in, "not a setup of this version", NULL);
+        return dg_co_refuse_text(&maker.in, 0, "not a setup of this version", NULL);
     }
     maker.in.back = memory + setup->memory_size / sizeof(uint64_t) * sizeof(uint64_t);
-    const int result = dg_co_scan_text(&maker.in);
-    return result != DG_OK ? result : make_device(&maker);
+    int result = dg_co_scan_text(&maker.in);
+    result = result != DG_OK ? result : make_device(&maker);
+    self->used = (size_t)(maker.in.front - memory);
+    return result;
+}
+
+void dg_co_say_place(const struct dg_eds_note *note, struct dg_text *to)
+{
+    if (note->section[0] != '\0') {
+        dg_text_add(to, "[");
+        dg_text_add(to, note->section);
+        dg_text_add(to, "]");
+    }
+    if (note->key[0] != '\0') {
+        dg_text_add(to, note->section[0] != '\0' ? " " : "");
+        dg_text_add(to, note->key);
+        dg_text_add(to, note->value[0] != '\0' ? "=" : "");
+        dg_text_add(to, note->value);
+    }
+}
+
+enum dg_co_role dg_co_role_of(const struct dg_co_file *self, uint16_t n)
+{
+    const struct dg_co_object object = {.row = &self->device.dictionary.rows[n]};
+    dg_co_hook *const hook = self->device.dictionary.hooks[object.row->hook];
+
+    if (hook == dg_co_hook_cell) {
+        return DG_CO_STORES;
+    }
+    return hook == dg_co_hook_follows || (hook == NULL && !co_is(&object, DG_CO_SLOT))
+               ? DG_CO_CONSTANT
+               : DG_CO_SIMULATED;
 }

@@ -22,6 +22,7 @@ struct eds_place {
     struct eds_span section;
     struct eds_span key;
     struct eds_span value;
+    bool lacks; /**< of a note: the file promises what the node does not do */
 };
 
 /** What an entry comes from; of those with one key the first is the object, if it is one. */
@@ -96,8 +97,11 @@ void dg_co_note_place(struct eds_reader *self, const struct eds_place *place, co
 /** Note `what` about a key of an entry; "": about all of it. */
 void dg_co_note_entry(struct eds_reader *self, const struct eds_entry *entry, const char *key,
                       const char *what, const char *right);
-/** Note that what is wrong with the whole text. @return DG_ERR_ARGUMENT */
-int dg_co_refuse_text(struct eds_reader *self, const char *what, const char *right);
+/** The same of what the file promises and the node does not do. */
+void dg_co_note_lack(struct eds_reader *self, const struct eds_entry *entry, const char *key,
+                     const char *what, const char *right);
+/** What is wrong with the text; line 0: with all of it. @return DG_ERR_ARGUMENT */
+int dg_co_refuse_text(struct eds_reader *self, unsigned line, const char *what, const char *right);
 
 /** Whether a text is `word`, case aside. */
 bool dg_co_is_word(struct eds_span text, const char *word);

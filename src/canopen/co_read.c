@@ -200,7 +200,8 @@ static void copy_text(char *to, size_t size, struct eds_span from)
 void dg_co_note_place(struct eds_reader *self, const struct eds_place *place, const char *what,
                       const char *right)
 {
-    struct dg_eds_note note = {.line = place->line, .what = what, .right = right};
+    struct dg_eds_note note = {
+        .line = place->line, .what = what, .right = right, .lacks = place->lacks};
 
     copy_text(note.section, sizeof note.section, place->section);
     copy_text(note.key, sizeof note.key, place->key);
@@ -210,10 +211,10 @@ void dg_co_note_place(struct eds_reader *self, const struct eds_place *place, co
     }
 }
 
-int dg_co_refuse_text(struct eds_reader *self, const char *what, const char *right)
+int dg_co_refuse_text(struct eds_reader *self, unsigned line, const char *what, const char *right)
 {
     if (self->error != NULL) {
-        *self->error = (struct dg_eds_note){.what = what, .right = right};
+        *self->error = (struct dg_eds_note){.line = line, .what = what, .right = right};
     }
     return DG_ERR_ARGUMENT;
 }
@@ -250,7 +251,8 @@ struct eds_entry *dg_co_add_entry(struct eds_reader *self, uint32_t key, enum ed
 
 static void note_line(const struct line *line, const char *what, const char *right)
 {
-    const struct eds_place place = {line->number, line->section, line->key, line->value};
+    const struct eds_place place = {
+        .line = line->number, .section = line->section, .key = line->key, .value = line->value};
 
     dg_co_note_place(line->in, &place, what, right);
 }
@@ -612,10 +614,10 @@ static void expand_all(struct eds_reader *self)
     }
 }
 
-static int check_size(struct eds_reader *self)
+static int check_size(struct eds_reader *self, unsigned line)
 {
     if (self->objects > DG_EDS_OBJECTS_MAX || self->count > DG_EDS_ROWS_MAX) {
-        return dg_co_refuse_text(self, "too many objects",
+        return dg_co_refuse_text(self, line, "too many objects",
                                  "at most 4000 objects, 16384 sub-indices");
     }
     return self->out ? DG_ERR_SPACE : DG_OK;
@@ -627,23 +629,43 @@ int dg_co_scan_text(struct eds_reader *self)
     struct line line = {.in = self, .section = {"", 0}};
 
     if (rest.n > DG_EDS_BYTES_MAX) {
-        return dg_co_refuse_text(self, "too long", "at most 1 MB");
+        return dg_co_refuse_text(self, 0, "too long", "at most 1 MB");
     }
     rest = behind(rest, begins(rest, BOM));
-    while (rest.n > 0 && check_size(self) == DG_OK) {
+    while (rest.n > 0 && check_size(self, line.number) == DG_OK) {
         const size_t n = find_character(rest, '\n');
         line.number++;
         read_line(&line, (struct eds_span){rest.at, n});
         rest = behind(rest, n < rest.n ? n + 1u : n);
     }
     expand_all(self);
-    const int result = check_size(self);
+    const int result = check_size(self, line.number);
     if (result != DG_OK) {
         return result;
     }
     if (self->objects == 0) {
-        return dg_co_refuse_text(self, "no object", "an EDS or DCF file, with sections as [1000]");
+        return dg_co_refuse_text(self, 0, "no object",
+                                 "an EDS or DCF file, with sections as [1000]");
     }
     sort_entries(self->entries, self->count);
     return DG_OK;
+}
+
+unsigned dg_co_find_object(const struct dg_eds_setup *setup, uint16_t index)
+{
+    struct eds_span rest = {setup->text, setup->n};
+    unsigned line = 0;
+
+    while (rest.n > 0) {
+        const size_t n = find_character(rest, '\n');
+        const struct eds_span text = trim_blanks((struct eds_span){rest.at, n});
+        uint32_t found = 0;
+        line++;
+        if (text.n > 5 && text.at[0] == '[' && text.at[5] == ']' &&
+            read_digits(behind(text, 1), 16, 4, &found) == 4 && found == index) {
+            return line;
+        }
+        rest = behind(rest, n < rest.n ? n + 1u : n);
+    }
+    return 0;
 }

@@ -98,9 +98,9 @@ static uint8_t keep_limits(struct eds_maker *self, const struct eds_entry *entry
         n++;
     }
     if (n == EDS_LIMITS_MAX) {
-        dg_co_note_entry(&self->in, entry, "",
-                         "one limit too many for objects that behave: any value may be written",
-                         NULL);
+        dg_co_note_lack(&self->in, entry, "",
+                        "one limit too many for objects that behave: any value may be written",
+                        NULL);
         return 0;
     }
     self->limits[n] = range;
@@ -144,11 +144,10 @@ static void make_string(struct eds_maker *self, const struct eds_entry *entry,
                         struct dg_co_row *row)
 {
     if (entry->initial.n > DG_CO_STRING_MAX) {
-        dg_co_note_entry(&self->in, entry, "DefaultValue", "is cut off behind 32 characters", NULL);
+        dg_co_note_lack(&self->in, entry, "DefaultValue", "is cut off behind 32 characters", NULL);
     }
     if ((entry->access & DG_CO_W) != 0) {
-        dg_co_note_entry(&self->in, entry, "AccessType", "texts cannot be written: read only",
-                         NULL);
+        dg_co_note_lack(&self->in, entry, "AccessType", "texts cannot be written: read only", NULL);
     }
     row->flags = (uint16_t)(DG_CO_STRING << 12 | DG_CO_R | DG_CO_CONST);
     row->initial = self->string_count;
@@ -183,8 +182,8 @@ static uint16_t flags_of(struct eds_maker *self, const struct eds_entry *entry,
     uint16_t flags = entry->access & DG_CO_RW;
 
     if ((flags & DG_CO_W) != 0 && !writable) {
-        dg_co_note_entry(&self->in, entry, "AccessType", "the encoder itself sets it: read only",
-                         NULL);
+        dg_co_note_lack(&self->in, entry, "AccessType", "the encoder itself sets it: read only",
+                        NULL);
         flags = DG_CO_R;
     }
     flags |= entry->map ? DG_CO_MAP : 0;
@@ -208,8 +207,8 @@ static uint32_t bound_default(struct eds_maker *self, const struct eds_entry *en
          dg_co_in_range(base, initial + (*follows ? NODE_ID_MAX : 0u)))) {
         return initial;
     }
-    dg_co_note_entry(&self->in, entry, "DefaultValue",
-                     "is none that the encoder takes: its own is there", NULL);
+    dg_co_note_lack(&self->in, entry, "DefaultValue",
+                    "is none that the encoder takes: its own is there", NULL);
     *follows = co_is(base, DG_CO_ID);
     return own;
 }
@@ -289,11 +288,11 @@ static void note_plain(struct eds_maker *self, const struct eds_entry *entry, bo
     const bool pdo = index >= 0x1400 && index < 0x1C00;
 
     if (known) {
-        dg_co_note_entry(&self->in, entry, "DataType",
-                         "has not the type that it behaves with: a value only", NULL);
+        dg_co_note_lack(&self->in, entry, "DataType",
+                        "has not the type that it behaves with: a value only", NULL);
     } else if (pdo && (entry->key & 0xFF00u) == 0x0100u) {
-        dg_co_note_entry(&self->in, entry, "", "a PDO that this node does not have: values only",
-                         "TPDO1 to TPDO4 with up to 8 entries");
+        dg_co_note_lack(&self->in, entry, "", "a PDO that this node does not have: values only",
+                        "TPDO1 to TPDO4 with up to 8 entries");
     }
 }
 
@@ -313,8 +312,8 @@ static bool make_row(struct eds_maker *self, struct eds_entry *entry, struct dg_
 
     *row = (struct dg_co_row){.key = entry->key};
     if (type == DG_CO_TYPE_COUNT) {
-        dg_co_note_entry(&self->in, entry, "DataType", "is left out: it has no such type",
-                         "0x1 to 0xB, or 0xF");
+        dg_co_note_lack(&self->in, entry, "DataType", "is left out: it has no such type",
+                        "0x1 to 0xB, or 0xF");
         return false;
     }
     if (entry->access == 0) {

@@ -40,9 +40,12 @@ static uint32_t constant_of(const struct dg_co_file *file, uint32_t key)
 
 static void note_figure(const struct dg_eds_setup *setup, const char *what)
 {
-    const struct dg_eds_note note = {.section = "6501", .what = what};
-
     if (setup->note != NULL) {
+        const struct dg_eds_note note = {
+            .line = dg_co_find_object(setup, 0x6501),
+            .section = "6501",
+            .what = what,
+        };
         setup->note(setup->ctx, &note);
     }
 }
@@ -111,7 +114,8 @@ static void make_resolution(struct dg_cia406_file *self)
 }
 
 /* One of a built-in encoder keeps its figures. */
-static int check_own(const struct dg_cia406_file *self, struct dg_eds_note *error)
+static int check_own(const struct dg_cia406_file *self, const struct dg_eds_setup *setup,
+                     struct dg_eds_note *error)
 {
     const bool own = self->file.base != &dg_cia406_any;
     const bool fits = self->steps == DG_CIA406_STEPS &&
@@ -122,7 +126,9 @@ static int check_own(const struct dg_cia406_file *self, struct dg_eds_note *erro
     }
     if (error != NULL) {
         *error = (struct dg_eds_note){
+            .line = dg_co_find_object(setup, 0x6501),
             .section = "6501",
+            .key = "DefaultValue",
             .what = "not the figures of the encoder with this identity",
             .right = "65536 steps, and 4096 turns or one",
         };
@@ -158,7 +164,7 @@ int dg_cia406_read(struct dg_cia406_file *self, const struct dg_eds_setup *setup
         .model = &self->model,
         .more = self->file.cell_count * sizeof(uint32_t),
     };
-    return check_own(self, error);
+    return check_own(self, setup, error);
 }
 
 _Static_assert(sizeof(struct dg_cia406_device) ==

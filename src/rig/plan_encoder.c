@@ -17,7 +17,8 @@ static const struct dg_plan_setting *find_mistyped(const struct rig_reader *in,
     for (size_t i = 0; i < self->count; i++) {
         const struct dg_plan_setting *word = dg_plan_word_at(self, i);
         if (!dg_plan_kind_has(self->kind, word->key) &&
-            dg_plan_find_model(in->plan, word->value) != NULL) {
+            (dg_plan_find_model(in->plan, word->value) != NULL ||
+             dg_model_file_of(word->value) != NULL)) {
             return word;
         }
     }
@@ -28,8 +29,11 @@ static const struct dg_device *take_model(struct rig_reader *in, const struct ri
 {
     const struct dg_plan_setting *word = dg_plan_word(self, "model");
     const struct dg_plan_setting *mistyped = word == NULL ? find_mistyped(in, self) : NULL;
-    const struct dg_device *model = word == NULL ? NULL : dg_plan_find_model(in->plan, word->value);
+    const struct dg_device *model = NULL;
 
+    if (dg_plan_take_name(in, word, &model) != 0) {
+        return NULL;
+    }
     if (mistyped != NULL) {
         (void)dg_plan_wrong_word(in, mistyped, RIG_SAY("model = ", mistyped->value, " is right"),
                                  RIG_SAY("no such key"));
@@ -174,10 +178,17 @@ int dg_plan_address(const struct dg_device *model, const char *text)
                : -1;
 }
 
-static int number_of(const struct dg_plan_encoder *encoder)
+/* As delivered it is the model's, if that is a file which says so, else the protocol's. */
+static int number_of(const struct dg_plan *plan, const struct dg_plan_encoder *encoder)
 {
-    return encoder->address == DG_PLAN_AS_DELIVERED ? encoder->model->stack->address_delivered
-                                                    : encoder->address;
+    int delivered = encoder->model->stack->address_delivered;
+
+    for (size_t i = 0; i < plan->model_file_count; i++) {
+        const struct dg_plan_model_file *file = &plan->model_files[i];
+        delivered =
+            file->device == encoder->model && file->address != 0 ? file->address : delivered;
+    }
+    return encoder->address == DG_PLAN_AS_DELIVERED ? delivered : encoder->address;
 }
 
 /* The encoder that has this name of a list; NULL: none. */
@@ -195,16 +206,17 @@ static int check_number(struct rig_reader *in, const struct rig_section *section
                         const struct dg_plan_encoder *self, const struct dg_plan_setting *word)
 {
     const char *key = self->model->stack->address_key;
+    const int own = number_of(in->plan, self);
     const struct dg_plan_name name = {
         .list = RIG_NUMBER,
-        .scope = (uint32_t)self->wire << CHAR_BIT | (uint32_t)(number_of(self) & UCHAR_MAX),
+        .scope = (uint32_t)self->wire << CHAR_BIT | (uint32_t)(own & UCHAR_MAX),
         .text = self->model->stack->name,
         .index = (int)(self - in->plan->encoders),
     };
     const struct dg_plan_encoder *other = key == NULL ? NULL : holder(in->plan, &name);
 
     if (other != NULL) {
-        const struct rig_number number = dg_plan_address_text(self->model, number_of(self));
+        const struct rig_number number = dg_plan_address_text(self->model, own);
         (void)dg_plan_refuse(in->error, RIG_SAY(key, " = N with another one is right"),
                              RIG_SAY(word == NULL ? "as delivered " : "",
                                      word == NULL ? number.text : word->value, " is ", key,

@@ -187,30 +187,10 @@ static int begin_sources(struct rig_reader *self)
     return 0;
 }
 
-/* Whether it names something in this folder or below it. */
-static bool is_below(const char *path)
-{
-    for (size_t n = dg_plan_span(path, '/');; n = dg_plan_span(path, '/')) {
-        if (n == 0 || (n == 2u && path[0] == '.' && path[1] == '.')) {
-            return false;
-        }
-        if (path[n] == '\0') {
-            return true;
-        }
-        path += n + 1u;
-    }
-}
-
 static int check_include(struct rig_reader *self, const struct dg_plan_setting *word)
 {
-    if (word->value[0] == '\0') {
-        return dg_plan_wrong_word(self, word, RIG_SAY(word->key, " = VALUE is right"),
-                                  RIG_SAY("empty"));
-    }
-    if (!is_below(word->value)) {
-        return dg_plan_wrong_word(
-            self, word, RIG_SAY("a file in the folder of this one, or below it, is right"),
-            RIG_SAY(word->value, " is none"));
+    if (dg_plan_check_below(self, word) != 0) {
+        return -1;
     }
     return self->depth < DG_PLAN_DEPTH_MAX
                ? 0
@@ -222,7 +202,6 @@ static int check_include(struct rig_reader *self, const struct dg_plan_setting *
 /* The words of a file take the place of the word that includes it. */
 static int include_file(struct rig_reader *self, const struct dg_plan_setting *word)
 {
-    const struct dg_plan_setup *setup = self->setup;
     struct rig_file next = {.source =
                                 self->plan->source_count == 0 ? 1u : self->plan->source_count};
     if (check_include(self, word) != 0) {
@@ -236,11 +215,8 @@ static int include_file(struct rig_reader *self, const struct dg_plan_setting *w
     if (source.file == NULL || begin_sources(self) != 0) {
         return -1;
     }
-    const char *wrong = setup->include == NULL
-                            ? "files cannot be included here"
-                            : setup->include(setup->ctx, source.file, &next.text);
-    if (wrong != NULL) {
-        return dg_plan_wrong_word(self, word, NULL, RIG_SAY(wrong));
+    if (dg_plan_fetch_text(self, word, source.file, &next.text) != 0) {
+        return -1;
     }
     if (next.text.n > DG_PLAN_INCLUDED_MAX - self->included) {
         return dg_plan_wrong_word(self, word, RIG_SAY("less is right"),

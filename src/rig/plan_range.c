@@ -135,9 +135,14 @@ int dg_plan_take_encoders(struct rig_reader *in, const struct rig_section *self)
     const struct dg_plan_setting *model = dg_plan_word(self, "model");
     struct range range = {.word = find_range(self)};
 
-    range.model = model == NULL ? NULL : dg_plan_find_model(in->plan, model->value);
-    if (range.word == NULL || range.model == NULL) {
+    if (range.word == NULL) {
         return dg_plan_take_encoder(in, self);
+    }
+    if (dg_plan_take_name(in, model, &range.model) != 0) {
+        return -1;
+    }
+    if (range.model == NULL) {
+        return dg_plan_take_encoder(in, self); /* which says what is wrong */
     }
     const char *key = range.model->stack->address_key;
     if (key == NULL || !dg_plan_same(key, range.word->key)) {

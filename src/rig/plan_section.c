@@ -398,8 +398,10 @@ static const struct rig_key bus_keys[] = {
 static const struct rig_key encoder_keys[] = {
     {
         .name = "model",
-        .takes = "MODEL",
-        .help = "one of drehgeber list",
+        .takes = "MODEL or FILE.eds",
+        .help =
+            "one of drehgeber list, of a [model] above, or an EDS or DCF file: in the folder of "
+            "this file or below it",
     },
     {
         .name = "shaft",

@@ -101,6 +101,7 @@ enum rig_names {
     RIG_ALIAS,   /**< likewise, where '-' and '_' are the same */
     RIG_PLACE,   /**< addresses of wires, those of a `scope` */
     RIG_MODEL,   /**< models of the plan */
+    RIG_FILE,    /**< files that are models */
     RIG_NUMBER,  /**< numbers of encoders on the wire `scope` */
     RIG_MEMORY,  /**< EEPROM files */
     RIG_TRACE,   /**< trace files */
@@ -183,6 +184,7 @@ struct rig_reader {
     struct dg_plan_error *error;
     dg_plan_line line;
     size_t included;                          /**< bytes so far */
+    size_t modelled;                          /**< likewise, of files that are models */
     size_t depth;                             /**< files that are open */
     struct rig_file files[DG_PLAN_DEPTH_MAX]; /**< each includes the next */
 };
@@ -247,6 +249,16 @@ int dg_plan_take_wire(struct rig_reader *in, const struct rig_section *self,
                       const struct dg_plan_wire_kind *kind, const struct rig_where *where);
 /** What is written of a wire, and where to; `word` NULL: nothing. */
 int dg_plan_take_trace(struct rig_reader *in, const struct dg_plan_setting *word, int wire);
+
+/** Check that the value of a word names a file in the folder of its own file, or below that. */
+int dg_plan_check_below(struct rig_reader *in, const struct dg_plan_setting *word);
+/** The text of the file `path`, which a word names, from the host. */
+int dg_plan_fetch_text(struct rig_reader *in, const struct dg_plan_setting *word, const char *path,
+                       struct dg_plan_text *to);
+/** The model that the value of a word names, built in, above or a file, which is read once; NULL:
+ * none, likewise without a word. */
+int dg_plan_take_name(struct rig_reader *in, const struct dg_plan_setting *word,
+                      const struct dg_device **to);
 
 /** No model is called as the word `key` of this section says, or there is no such word: NULL. */
 int dg_plan_refuse_model(struct rig_reader *in, const struct rig_section *section, const char *key,

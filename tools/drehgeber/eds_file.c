@@ -14,6 +14,8 @@
 
 /* Bytes to begin with; a file whose objects need more is read again. */
 #define MEMORY_MIN 65536u
+/* "[6501] DefaultValue=VALUE" */
+#define PLACE_MAX (sizeof(struct dg_eds_note) + 8u)
 
 bool eds_file_is(const char *word)
 {
@@ -39,14 +41,11 @@ static void print_note(void *ctx, const struct dg_eds_note *note)
     if (note->line != 0) {
         (void)printf("%u:", note->line);
     }
-    if (note->section[0] != '\0') {
-        (void)printf(" [%s]", note->section);
-    }
-    if (note->key[0] != '\0') {
-        (void)printf(" %s%s%s", note->key, note->value[0] == '\0' ? "" : "=", note->value);
-    }
-    (void)printf(" %s%s%s\n", note->what, note->right == NULL ? "" : "; right is ",
-                 note->right == NULL ? "" : note->right);
+    char place[PLACE_MAX];
+    struct dg_text text = dg_text_in(place, sizeof place);
+    dg_co_say_place(note, &text);
+    (void)printf("%s%s %s%s%s\n", place[0] == '\0' ? "" : " ", place, note->what,
+                 note->right == NULL ? "" : "; right is ", note->right == NULL ? "" : note->right);
 }
 
 /* One byte more than is allowed tells that there is more. @return bytes, or -1 with `error` */
@@ -67,9 +66,15 @@ static long read_text(struct eds_file *self, struct lx_error *error)
 static int refuse(const struct eds_file *self, const struct dg_eds_note *wrong,
                   struct lx_error *error)
 {
-    return lx_refuse(error, wrong->right == NULL ? "another file" : wrong->right, "%s: %s%s%s%s",
-                     self->path, wrong->section[0] == '\0' ? "" : "[", wrong->section,
-                     wrong->section[0] == '\0' ? "" : "] ", wrong->what);
+    char line[16] = "";
+    char place[PLACE_MAX];
+    struct dg_text text = dg_text_in(place, sizeof place);
+    dg_co_say_place(wrong, &text);
+    if (wrong->line != 0) {
+        (void)snprintf(line, sizeof line, ":%u", wrong->line);
+    }
+    return lx_refuse(error, wrong->right == NULL ? "another file" : wrong->right, "%s%s: %s%s%s",
+                     self->path, line, place, place[0] == '\0' ? "" : ": ", wrong->what);
 }
 
 /* @return as dg_co_read(), or DG_ERR_SPACE also without memory: `self->memory` is NULL then */

@@ -66,6 +66,58 @@ def test_a_client_finds_the_objects_of_the_file(tmp_path, vendor):
         assert refused.value.code == 0x06020000
 
 
+@contextmanager
+def rig(folder, text):
+    """A rig file that is at work, as its ready lines say."""
+    (folder / "bench.ini").write_text(text)
+    with subprocess.Popen([PROGRAM, "run", folder / "bench.ini"], stdout=subprocess.PIPE, text=True) as process:
+        try:
+            yield [process.stdout.readline() for _ in range(text.count("model =") + 1)]
+        finally:
+            process.terminate()
+            assert process.wait(PATIENCE_S) == 0
+
+
+def test_encoders_of_a_rig_file_have_the_objects_of_theirs(tmp_path, vendor):
+    (tmp_path / "models").mkdir()
+    (tmp_path / "models" / "other.dcf").write_text(
+        vendor.read_text().replace("3600", "1000") + "[DeviceComissioning]\nNodeID=9\n")
+    text = (f"[shaft s]\nmotion = 90DEG\n[bus b]\nwire = slcan\naddress = {tmp_path}/can\n"
+            "[encoder a]\nmodel = vendor.eds\nbus = b\nnode = 5\n"
+            "[encoder z]\nmodel = models/other.dcf\nbus = b\n")
+    network = canopen.Network()
+    with rig(tmp_path, text) as lines:
+        assert [line.split()[1] for line in lines[:2]] == ["acme-3600", "acme-1000"]
+        try:
+            network.connect(interface="slcan", channel=f"{tmp_path}/can", bitrate=250000)
+            for node, steps in ((5, 3600), (9, 1000)):
+                one = network.add_node(node, str(vendor))
+                assert (one.sdo[0x6501].raw, one.sdo[0x6004].raw) == (steps, 250)
+        finally:
+            network.disconnect()
+
+
+@pytest.mark.parametrize("model, said", [
+    ("missing.eds", "bench.ini:2: model: missing.eds: No such file or directory"),
+    ("/etc/vendor.eds", "bench.ini:2: model: /etc/vendor.eds is none; a file in the folder of this one, or below it, is right"),
+    ("../vendor.eds", "bench.ini:2: model: ../vendor.eds is none; a file in the folder of this one, or below it, is right"),
+    ("link.eds", "bench.ini:2: model: link.eds: not in the folder for files; a name below it is right"),
+    ("own.eds", "bench.ini:2: model: own.eds:{line}: [6501] DefaultValue: not the figures of the encoder with this identity; "
+                "right is 65536 steps, and 4096 turns or one"),
+])
+def test_what_is_wrong_with_the_model_of_a_rig_file(tmp_path, model, said):
+    (tmp_path / "link.eds").symlink_to("/etc/passwd")
+    own = run("eds", "f3668").stdout.replace("\r", "")
+    at = own.index("DefaultValue", own.index("[6501]"))
+    own = own[:at] + "DefaultValue=1000\n" + own[own.index("\n", at) + 1:]
+    (tmp_path / "own.eds").write_text(own)
+    (tmp_path / "bench.ini").write_text(f"[encoder a]\nmodel = {model}\nwire = slcan\n")
+    told = run("run", tmp_path / "bench.ini")
+    assert (told.returncode, told.stdout) == (2, "")
+    line = 1 + own[:own.index("[6501]")].count("\n")
+    assert told.stderr.replace(f"{tmp_path}/", "") == f"drehgeber: {said.format(line=line)}\n"
+
+
 def test_what_was_saved_is_there_again(tmp_path, vendor):
     with encoder(tmp_path, vendor, "--nvm", tmp_path / "e.nvm") as node:
         node.sdo[0x2000].raw = 9
