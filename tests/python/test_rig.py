@@ -193,10 +193,10 @@ def lab(tmp_path):
     return tmp_path / "here"
 
 
-def test_models_of_files_are_the_commands():
+def test_models_of_the_file():
     text = "[model slow]\nbase = s3684-biss\ntimeout_us = 30\n[encoder a]\nmodel = slow\nwire = sim\n"
-    with pytest.raises(EncoderError, match=r"^text:4: \[encoder a\]: slow is the model of a file, which the package does not have"):
-        Rig.of_text(text)
+    encoder = Rig.of_text(text).encoders["a"]
+    assert (encoder.model, encoder.get("timeout_us")) == ("slow", "30")
 
 
 def test_files_include_each_other(lab):

@@ -17,6 +17,11 @@ const char *dg_version(void);
 struct dg_device;
 struct dg_co_sheet;
 const struct dg_device *dg_device_find(const char *name);
+const struct dg_model_file *dg_model_file_of(const char *name);
+const struct dg_host_wire *dg_host_wire_of(const struct dg_device *model);
+struct dg_bus_side;
+const struct dg_bus_side *dg_bus_side_of(const struct dg_device *model);
+void dg_host_take_side(struct dg_host *self, const struct dg_bus_side *side);
 const struct dg_co_sheet *dg_cia406_sheet_of(const struct dg_device *model);
 void dg_co_eds(const struct dg_co_sheet *, void (*)(void *, const char *, size_t), void *);
 struct dg_encoder *dg_host_panel_encoder(struct dg_host_panel *self);
@@ -29,8 +34,9 @@ HEADERS = (
 )  # fmt: skip
 INCLUDE = re.compile(r'^#include "drehgeber/(\w+\.h)"$', re.M)
 STRUCT = re.compile(r"^struct \w+ \{[^}]*\};", re.M)
-# Of hal.h and stack.h, so much: results, what a model is called, what travels on its wire.
-PARTS = re.compile(r"^(?:enum dg_result|enum dg_medium|struct dg_stack|struct dg_device) \{[^}]*\};", re.M)
+# Of these headers, so much: results, what a model is called, what travels on its wire, files that are models.
+PARTS_OF = ("hal.h", "stack.h", "model.h")
+PARTS = re.compile(r"^(?:enum dg_result|enum dg_medium|struct dg_stack|struct dg_device|struct dg_model_(?!text)\w+) \{[^}]*\};", re.M)
 
 
 def read(path: Path) -> str:
@@ -57,7 +63,7 @@ def declarations(text: str) -> str:
 def main() -> None:
     headers, output = Path(sys.argv[1]), Path(sys.argv[2])
     builder = cffi.FFI()
-    parts = [row for name in ("hal.h", "stack.h") for row in PARTS.findall(read(headers / name))]
+    parts = [row for name in PARTS_OF for row in PARTS.findall(read(headers / name))]
     rows = [OTHERS, *parts, *members(headers), *(declarations(read(headers / name)) for name in HEADERS)]
     builder.cdef("\n".join(rows))
     builder.set_source("drehgeber._abi", None)

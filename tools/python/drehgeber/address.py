@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Encoders as text: MODEL?KEY=VALUE&..., in channels and URLs."""
+"""Encoders as text: MODEL?KEY=VALUE&..., in channels and URLs. MODEL may be a file."""
 
 from __future__ import annotations
 
@@ -8,11 +8,13 @@ from urllib.parse import parse_qsl
 from ._native import Medium, models
 from .clock import Clock
 from .encoder import Encoder
+from .model import is_file
 
 
 def is_model(text: str) -> bool:
-    """Whether a model is named, whatever is behind it."""
-    return text.partition("?")[0] in models()
+    """Whether a model is named, or a file that is one, whatever is behind it."""
+    name = text.partition("?")[0]
+    return name in models() or is_file(name)
 
 
 def encoder_of(text: str, clock: Clock, medium: Medium) -> Encoder:

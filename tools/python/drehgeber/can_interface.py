@@ -15,7 +15,7 @@ from .clock import Clock
 
 class DrehgeberBus(can.BusABC):
     """A master on a bus of this process. `channel` is the name of a drehgeber.CanBus, or a model with
-    what --set and --shaft take behind it, "f3668?node=5&shaft=60RPM", which is made then. `time` is that
+    what --set and --shaft take behind it, "f3668?node=5&shaft=60RPM" or "vendor.eds?node=5", which is made then. `time` is that
     of an encoder made so: "real", or "virtual", which moves by advance(), and in recv() up to an answer
     that the encoder takes its time for, as for "save"."""
 

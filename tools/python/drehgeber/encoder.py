@@ -18,6 +18,7 @@ from .clock import LEAD_NS, NEVER, SECOND_NS, SECONDS_MAX, Clock, seconds_of
 from .clocked import Biss, Clocked, Level, Ssi
 from .control import ScpiError, split
 from .instrument import Instrument, power_word
+from .model import Model, Word, find_model
 from .ring import Ring
 from .rs485 import Line
 from .shaft import Shaft, forms
@@ -63,7 +64,8 @@ def _one_clock(clock: Clock | None, *others: Shaft | str | CanBus | Line | None)
 
 
 class Encoder(Instrument):
-    """An encoder: `Encoder("f3668", node=5, shaft="60RPM")`.
+    """An encoder: `Encoder("f3668", node=5, shaft="60RPM")`; also of a file: `Encoder("vendor.eds")`, a CANopen encoder
+    of its EDS or DCF file, `Encoder("mine.ini")`, the last [model NAME] there.
 
     Settings are those of `--set`, as keywords. `shaft` is a Shaft, which others may share, or words for
     one of its own; `bus` is a CanBus for a CANopen encoder, `line` a Line for one with RS485, else it has
@@ -73,7 +75,7 @@ class Encoder(Instrument):
 
     def __init__(
         self,
-        model: str,
+        model: Word | Model,
         *,
         clock: Clock | None = None,
         shaft: Shaft | str = "0",
@@ -86,11 +88,12 @@ class Encoder(Instrument):
     ) -> None:
         self._ffi, self._lib = _native.load()
         self._closed = False
-        size = self._lib.dg_host_size_of(encoded(model, "model"))
-        if size == 0:
-            raise EncoderError(f"no model {model!r}; there are {', '.join(_native.models())}")
+        self._model = found = model if isinstance(model, Model) else find_model(model)
+        wire = self._lib.dg_host_wire_of(found.device)
+        size = self._lib.dg_host_size(found.device, wire)
         self._keep, place = _native.aligned(size)
-        self._handle: Any = self._lib.dg_host_make(place, size, model.encode())
+        self._handle: Any = self._lib.dg_host_init(place, size, found.device, wire)
+        self._lib.dg_host_take_side(self._handle, self._lib.dg_bus_side_of(found.device))
         self._panel: Any = None
         self._ring: Any = None  # of several, which it stands in
         self._levels: deque[Level] | None = None  # of its line, where somebody watches
@@ -98,7 +101,7 @@ class Encoder(Instrument):
         self._deadline = NEVER
         self._hint_due: Any = self._ffi.new("uint64_t *")
         self._made = False
-        self.model = model
+        self.model = found.name
         self.name = name
         self.protocol: str = self._ffi.string(self._lib.dg_host_protocol(self._host)).decode()
         self.medium = self._known_medium()

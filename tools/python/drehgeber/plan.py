@@ -6,6 +6,7 @@ from __future__ import annotations
 import errno
 import functools
 import os
+import re
 import stat
 from collections.abc import Callable, Iterator
 from pathlib import Path, PurePosixPath
@@ -16,6 +17,9 @@ from ._native import EncoderError, aligned, load, raw, reason_of, text_of
 MEMORY_MIN, MEMORY_EACH = 16384, 16  # bytes to begin with, and behind each byte of a file
 LINKS = (errno.ELOOP, errno.ENOTDIR)
 FILES_MAX = 4096  # characters of the names of files that include each other
+
+# Words that name other files.
+FILES = re.compile(rb"include|\.eds|\.dcf", re.I)
 
 T = TypeVar("T")
 
@@ -53,7 +57,7 @@ class Plan:
         setup, wrong = ffi.new("struct dg_plan_setup *"), ffi.new("struct dg_plan_error *")
         setup.size, setup.file = ffi.sizeof("struct dg_plan_setup"), self._kept(os.fsencode(source))
         setup.text.text, setup.text.n = self._kept(data), len(data)
-        if b"include" in data:  # a call back needs memory that may be written and executed
+        if FILES.search(data):  # a call back needs memory that may be written and executed
             include = ffi.callback("const char *(void *, const char *, struct dg_plan_text *)", self._include)
             setup.include = include
         size, result = MEMORY_MIN + MEMORY_EACH * len(data), lib.DG_ERR_SPACE

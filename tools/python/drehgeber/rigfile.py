@@ -10,13 +10,14 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any
 
-from ._native import EncoderError, Medium, models, text_of
+from ._native import Medium, text_of
 from .canbus import CanBus
 from .chain import Chain
 from .clock import Clock
 from .clocked import Biss
 from .course import is_file, split_words
 from .encoder import Encoder
+from .model import Model
 from .plan import Plan
 from .ring import Ring
 from .rs485 import Line
@@ -85,18 +86,12 @@ class Rig:
         elif row.stack.medium == Medium.CHARACTERS:
             self.lines[name] = Line(self.clock)
 
-    @staticmethod
-    def _built_in(model: str, **rest: Any) -> Encoder:
-        if model not in models():
-            raise EncoderError(f"{model} is the model of a file, which the package does not have; drehgeber run has it")
-        return Encoder(model, **rest)
-
     def _make_encoder(self, row: Any) -> None:
         plan, name = self._plan, text_of(row.name)
         section, wire = f"encoder {name}", self._plan.rows.wires[row.wire]
         bus = "" if wire.is_private else text_of(wire.name).lower()
         shaft, on, line = self._shaft_at(row.shaft), self.buses.get(bus), self.lines.get(bus)
-        make = partial(self._built_in, text_of(row.model.name), shaft=shaft, bus=on, line=line, power=False)
+        make = partial(Encoder, Model(row.model, plan), shaft=shaft, bus=on, line=line, power=False)
         encoder = plan.told(section, row.line, make)
         courses = self._set_up(section, row, encoder)
         self._remember(name.lower(), section, row, encoder)
