@@ -55,25 +55,6 @@ static bool is_row(struct eds_entry *entry, size_t same)
     return entry->object == 0 ? entry->type != 0 : entry->object == DG_CO_VAR || entry->object == 2;
 }
 
-static void merge_entries(struct eds_reader *in)
-{
-    size_t kept = 0;
-    size_t same = 1;
-
-    for (size_t i = 0; i < in->count; i += same) {
-        struct eds_entry *entry = &in->entries[i];
-        for (same = 1; i + same < in->count && entry[same].key == entry->key; same++) {
-        }
-        if (same > 1 && entry[1].rank == entry->rank && entry->rank != EDS_VALUE) {
-            dg_co_note_entry(in, entry, "", "stands there twice: the first one counts", NULL);
-        }
-        if (is_row(entry, same)) {
-            in->entries[kept++] = *entry;
-        }
-    }
-    in->count = kept;
-}
-
 /* "1018sub1", in `to` */
 static size_t name_entry(const struct eds_entry *entry, char to[10])
 {
@@ -123,6 +104,49 @@ void dg_co_note_lack(struct eds_reader *self, const struct eds_entry *entry, con
 
     place.lacks = true;
     dg_co_note_place(self, &place, what, right);
+}
+
+/* Whether both are of one object. */
+static bool is_of(const struct eds_entry *a, const struct eds_entry *b)
+{
+    return (a->key ^ b->key) >> 16 == 0;
+}
+
+/* What becomes nothing is told, unless it is the head of others. */
+static void note_dropped(struct eds_reader *in, const struct eds_entry *entry, bool head)
+{
+    const bool known = entry->object <= DG_CO_RECORD && entry->object != 1 && entry->object != 3;
+
+    if (entry->rank == EDS_VALUE) {
+        dg_co_note_entry(in, entry, "", "a default of no sub-index: left out", NULL);
+    } else if (!known) {
+        dg_co_note_entry(in, entry, "ObjectType", "is none: left out", "0x7, 0x8 or 0x9");
+    } else if (!head) {
+        dg_co_note_entry(in, entry, entry->object == 0 ? "DataType" : "",
+                         entry->object == 0 ? "is missing: left out" : "has no sub-index: left out",
+                         NULL);
+    }
+}
+
+static void merge_entries(struct eds_reader *in)
+{
+    size_t kept = 0;
+    size_t same = 1;
+
+    for (size_t i = 0; i < in->count; i += same) {
+        struct eds_entry *entry = &in->entries[i];
+        for (same = 1; i + same < in->count && entry[same].key == entry->key; same++) {
+        }
+        if (same > 1 && entry[1].rank == entry->rank && entry->rank != EDS_VALUE) {
+            dg_co_note_entry(in, entry, "", "stands there twice: the first one counts", NULL);
+        }
+        if (is_row(entry, same)) {
+            in->entries[kept++] = *entry;
+        } else {
+            note_dropped(in, entry, i + same < in->count && is_of(entry, &entry[same]));
+        }
+    }
+    in->count = kept;
 }
 
 /* ------------------------------------------------------------ the device */
@@ -408,7 +432,6 @@ enum dg_co_role dg_co_role_of(const struct dg_co_file *self, uint16_t n)
     if (hook == dg_co_hook_cell) {
         return DG_CO_STORES;
     }
-    return hook == dg_co_hook_follows || (hook == NULL && !co_is(&object, DG_CO_SLOT))
-               ? DG_CO_CONSTANT
-               : DG_CO_SIMULATED;
+    return hook == dg_co_hook_follows || co_is(&object, DG_CO_CONST) ? DG_CO_CONSTANT
+                                                                     : DG_CO_SIMULATED;
 }

@@ -268,13 +268,23 @@ static size_t read_digits(struct eds_span text, uint32_t base, size_t most, uint
     return convert_digits(text.at, n, base, to) ? n : 0;
 }
 
+static const char no_object[] = "is no section of an object, and left out";
+static const char one_object[] = "[1018], [1018sub1] or [1018Value]";
+
 static bool is_list(struct eds_span name)
 {
     return dg_co_is_word(name, "MandatoryObjects") || dg_co_is_word(name, "OptionalObjects") ||
            dg_co_is_word(name, "ManufacturerObjects");
 }
 
-/* [1018], [1018sub1], [2000Value]; others of an object, as [2000Name], have no values. */
+/* Sections of an object that have no values. */
+static bool is_beside(struct eds_span rest)
+{
+    return dg_co_is_word(rest, "Name") || dg_co_is_word(rest, "Denotation") ||
+           dg_co_is_word(rest, "ObjectLinks");
+}
+
+/* [1018], [1018sub1], [2000Value] */
 static void begin_object(struct line *line, uint32_t index, struct eds_span rest)
 {
     struct eds_reader *in = line->in;
@@ -291,6 +301,8 @@ static void begin_object(struct line *line, uint32_t index, struct eds_span rest
         line->place = PLACE_OBJECT;
     } else if (dg_co_is_word(rest, "Value")) {
         line->place = PLACE_VALUES;
+    } else if (!is_beside(rest)) {
+        note_line(line, no_object, one_object);
     }
 }
 
@@ -311,6 +323,8 @@ static void begin_section(struct line *line, struct eds_span name)
         line->place = PLACE_COMMISSIONING; /* CiA 306 spells it so */
     } else if (n == 4) {
         begin_object(line, index, behind(name, n));
+    } else if (n > 0 && (n == name.n || digit_of(name.at[0]) < 10)) {
+        note_line(line, no_object, one_object);
     }
 }
 
@@ -529,7 +543,11 @@ static void read_line(struct line *line, struct eds_span text)
     }
     if (text.at[0] == '[') {
         text = behind(text, 1);
-        begin_section(line, trim_blanks((struct eds_span){text.at, find_character(text, ']')}));
+        const size_t end = find_character(text, ']');
+        begin_section(line, trim_blanks((struct eds_span){text.at, end}));
+        if (end == text.n) {
+            note_line(line, "has no ']'", NULL);
+        }
         return;
     }
     const size_t n = find_character(text, '=');

@@ -9,6 +9,8 @@
 #include "co_storage.h"
 
 #define NODE_ID_MAX 127u
+/* May be written where the file says so, and changes nothing. */
+#define EMCY_COB_ID DG_CO_KEY(0x1014, 0)
 
 /* ------------------------------------------------------------ types and numbers */
 
@@ -176,8 +178,7 @@ static bool find_base(const struct eds_maker *self, const struct eds_entry *entr
 static uint16_t flags_of(struct eds_maker *self, const struct eds_entry *entry,
                          const struct dg_co_object *base)
 {
-    const bool writable =
-        co_is(base, DG_CO_W) || (co_is(base, DG_CO_SLOT) && co_hook(base) == NULL);
+    const bool writable = co_is(base, DG_CO_W) || entry->key == EMCY_COB_ID;
     const bool fixed = co_hook(base) == NULL && !co_is(base, DG_CO_SLOT);
     uint16_t flags = entry->access & DG_CO_RW;
 
