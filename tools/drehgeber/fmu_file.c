@@ -252,7 +252,7 @@ static int refuse_models(struct making *self, const struct dg_plan *plan)
 {
     for (size_t i = 0; i < plan->encoder_count; i++) {
         const char *name = plan->encoders[i].model->name;
-        if (dg_device_find(name) == NULL) {
+        if (dg_device_find(name) != plan->encoders[i].model) {
             return lx_refuse(&self->error, "a built-in model is right",
                              "%s is the model of a file, which an FMU does not have", name);
         }
