@@ -52,7 +52,7 @@ _drehgeber_options()
         faults) echo " --json --help" ;;
         run) echo " --pty= --tty= --rs485= --sim --gpio= --can= --slcan= --socketcand= --silkit= --modbus= --ring= --nvm= --serial= --node= --shaft= --set= --control= --files= --trace= --time= --verbose --quiet --help --version" ;;
         check) echo " --help" ;;
-        eds) echo " --help" ;;
+        eds) echo " --explain --help" ;;
         model) echo " --c --help" ;;
         biss) echo " --nvm= --serial= --shaft= --set= --trace= --help" ;;
         ssi) echo " --shaft= --set= --trace= --help" ;;

@@ -41,7 +41,7 @@ const struct command_row command_rows[] = {
         .command = COMMAND_RUN,
         .wires = true,
         .usage = "run FILE.eds [WIRE] [OPTIONS]",
-        .help = "be the CANopen encoder of an EDS or DCF file",
+        .help = "be the CANopen encoder of an EDS or DCF file; - is stdin",
     },
     {
         .name = "check",
@@ -55,8 +55,15 @@ const struct command_row command_rows[] = {
         .command = COMMAND_EDS,
         .usage = "eds MODEL",
         .help = "the EDS file of a CANopen encoder",
-        .takes = "",
+        .takes = " explain ",
         .stack = &dg_cia406_stack,
+    },
+    {
+        .name = "eds",
+        .command = COMMAND_EDS,
+        .usage = "eds FILE.eds --explain",
+        .help = "what each object of an EDS or DCF file does as an encoder",
+        .takes = " explain ",
     },
     {
         .name = "model",

@@ -6,9 +6,9 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 
 #include "complain.h"
+#include "drehgeber/devices.h"
 #include "file.h"
 #include "run.h"
 
@@ -16,112 +16,125 @@
 #define MEMORY_MIN 65536u
 /* "[6501] DefaultValue=VALUE" */
 #define PLACE_MAX (sizeof(struct dg_eds_note) + 8u)
+/* Longest note in words. */
+#define NOTE_MAX 512u
+/* How much of a list is told when an encoder starts. */
+#define VALUES_TOLD 8u
+#define LACKS_TOLD 3u
+
+static const char stdin_word[] = "-";
 
 bool eds_file_is(const char *word)
 {
-    static const char *const endings[] = {".eds", ".dcf"};
-    const size_t n = word == NULL ? 0 : strlen(word);
-    for (size_t i = 0; i < DG_COUNT(endings); i++) {
-        if (n > strlen(endings[i]) && strcasecmp(word + n - strlen(endings[i]), endings[i]) == 0) {
-            return true;
-        }
-    }
-    return false;
+    return word != NULL && (strcmp(word, stdin_word) == 0 || dg_model_file_of(word) != NULL);
 }
 
-/* "acme.eds:12: [2000] DefaultValue=No: is no number ...; right is ..." */
-static void print_note(void *ctx, const struct dg_eds_note *note)
+/* ---------------------------------------------------------------- reading */
+
+static void keep_note(void *ctx, const struct dg_eds_note *note)
 {
     struct eds_file *self = ctx;
-    self->note_count++;
-    if (!self->told) {
-        return;
+    if (self->kept && self->note_count == self->note_room) {
+        const size_t room = self->note_room == 0 ? 16u : 2u * self->note_room;
+        struct dg_eds_note *notes = reallocarray(self->notes, room, sizeof *notes);
+        self->notes = notes == NULL ? self->notes : notes;
+        self->note_room = notes == NULL ? self->note_room : room;
     }
-    (void)printf("%s:", self->path);
-    if (note->line != 0) {
-        (void)printf("%u:", note->line);
+    if (self->note_count < self->note_room) {
+        self->notes[self->note_count++] = *note;
     }
-    char place[PLACE_MAX];
-    struct dg_text text = dg_text_in(place, sizeof place);
-    dg_co_say_place(note, &text);
-    (void)printf("%s%s %s%s%s\n", place[0] == '\0' ? "" : " ", place, note->what,
-                 note->right == NULL ? "" : "; right is ", note->right == NULL ? "" : note->right);
 }
 
-/* One byte more than is allowed tells that there is more. @return bytes, or -1 with `error` */
-static long read_text(struct eds_file *self, struct lx_error *error)
+/* One byte more than is allowed tells that there is more. @return 0, or -1 with `error` */
+static int read_stream(struct eds_file *self, FILE *stream, struct lx_error *error)
 {
-    FILE *stream = lx_file_read(NULL, self->path, error);
+    self->text = malloc(DG_EDS_BYTES_MAX + 1u);
+    self->length = self->text == NULL ? 0 : fread(self->text, 1, DG_EDS_BYTES_MAX + 1u, stream);
+    return self->text == NULL || ferror(stream) != 0
+               ? lx_fail(error, "%s: cannot read: %s", self->path, strerror(errno))
+               : 0;
+}
+
+static int read_text(struct eds_file *self, const char *path, struct lx_error *error)
+{
+    if (strcmp(path, stdin_word) == 0) {
+        return read_stream(self, stdin, error);
+    }
+    FILE *stream = lx_file_read(NULL, path, error);
     if (stream == NULL) {
         return -1;
     }
-    self->text = malloc(DG_EDS_BYTES_MAX + 1u);
-    const size_t n = self->text == NULL ? 0 : fread(self->text, 1, DG_EDS_BYTES_MAX + 1u, stream);
-    const bool failed = self->text == NULL || ferror(stream) != 0;
-    const int reason = errno;
+    const int result = read_stream(self, stream, error);
     (void)fclose(stream);
-    return failed ? lx_fail(error, "%s: cannot read: %s", self->path, strerror(reason)) : (long)n;
+    return result;
+}
+
+/* ":12" behind the file's name, and "[6501] DefaultValue". */
+static void place_note(const struct dg_eds_note *note, char line[16], char place[PLACE_MAX])
+{
+    struct dg_text text = dg_text_in(place, PLACE_MAX);
+    line[0] = '\0';
+    if (note->line != 0) {
+        (void)snprintf(line, 16, ":%u", note->line);
+    }
+    dg_co_say_place(note, &text);
 }
 
 static int refuse(const struct eds_file *self, const struct dg_eds_note *wrong,
                   struct lx_error *error)
 {
-    char line[16] = "";
+    char line[16];
     char place[PLACE_MAX];
-    struct dg_text text = dg_text_in(place, sizeof place);
-    dg_co_say_place(wrong, &text);
-    if (wrong->line != 0) {
-        (void)snprintf(line, sizeof line, ":%u", wrong->line);
-    }
-    return lx_refuse(error, wrong->right == NULL ? "another file" : wrong->right, "%s%s: %s%s%s",
-                     self->path, line, place, place[0] == '\0' ? "" : ": ", wrong->what);
+    struct lx_words right = {""};
+    place_note(wrong, line, place);
+    lx_words_add(&right, "right is %s", wrong->right == NULL ? "another file" : wrong->right);
+    return lx_refuse(error, right.text, "%s%s: %s%s%s", self->path, line, place,
+                     place[0] == '\0' ? "" : ": ", wrong->what);
 }
 
 /* @return as dg_co_read(), or DG_ERR_SPACE also without memory: `self->memory` is NULL then */
-static int read_with(struct eds_file *self, size_t n, struct dg_eds_note *wrong)
+static int read_with(struct eds_file *self, struct dg_eds_note *wrong)
 {
     const struct dg_eds_setup setup = {.size = sizeof setup,
                                        .text = self->text,
-                                       .n = n,
+                                       .n = self->length,
                                        .memory = self->memory,
                                        .memory_size = self->memory_size,
-                                       .note = print_note,
+                                       .note = keep_note,
                                        .ctx = self};
-    self->note_count = 0;
     return self->memory == NULL ? DG_ERR_SPACE : dg_cia406_read(&self->encoder, &setup, wrong);
 }
 
-/* As much memory as is needed; what is noted is told when it is enough. */
-static int read_objects(struct eds_file *self, size_t n, bool told, struct lx_error *error)
+/* As much memory as is needed; what is noted is kept when it is enough. */
+static int read_objects(struct eds_file *self, struct lx_error *error)
 {
     struct dg_eds_note wrong;
     int result = DG_ERR_SPACE;
     for (self->memory_size = MEMORY_MIN; result == DG_ERR_SPACE; self->memory_size *= 2u) {
         free(self->memory);
         self->memory = malloc(self->memory_size);
-        result = read_with(self, n, &wrong);
+        result = read_with(self, &wrong);
         if (self->memory == NULL) {
             return lx_fail(error, "%s: no memory for what is in it", self->path);
         }
     }
     self->memory_size /= 2u;
     if (result == DG_OK) {
-        self->told = told;
-        result = read_with(self, n, &wrong);
+        self->kept = true;
+        result = read_with(self, &wrong);
     }
     return result == DG_OK ? 0 : refuse(self, &wrong, error);
 }
 
-struct eds_file *eds_file_open(const char *path, bool told, struct lx_error *error)
+struct eds_file *eds_file_open(const char *path, struct lx_error *error)
 {
     struct eds_file *self = calloc(1, sizeof *self);
     if (self == NULL) {
         (void)lx_fail(error, "no memory for %s", path);
         return NULL;
     }
-    self->path = path;
-    const long n = read_text(self, error);
-    if (n < 0 || read_objects(self, (size_t)n, told, error) != 0) {
+    self->path = strcmp(path, stdin_word) == 0 ? "stdin" : path;
+    if (read_text(self, path, error) != 0 || read_objects(self, error) != 0) {
         eds_file_close(self);
         return NULL;
     }
@@ -131,23 +144,105 @@ struct eds_file *eds_file_open(const char *path, bool told, struct lx_error *err
 void eds_file_close(struct eds_file *self)
 {
     if (self != NULL) {
+        free(self->notes);
         free(self->text);
         free(self->memory);
         free(self);
     }
 }
 
+/* ---------------------------------------------------------------- telling */
+
+/* "acme.eds:12: [2000] DefaultValue=No is no number ...; right is ..." */
+static void say_note(const struct eds_file *self, const struct dg_eds_note *note, char to[NOTE_MAX])
+{
+    char line[16];
+    char place[PLACE_MAX];
+    place_note(note, line, place);
+    (void)snprintf(to, NOTE_MAX, "%s%s:%s%s %s%s%s", self->path, line, place[0] == '\0' ? "" : " ",
+                   place, note->what, note->right == NULL ? "" : "; right is ",
+                   note->right == NULL ? "" : note->right);
+}
+
+/* A long list is counted. */
+static void tell_values(const struct eds_file *self, const struct lx_say *say)
+{
+    const struct dg_co_dictionary *dictionary = &self->encoder.file.device.dictionary;
+    struct lx_words list = {""};
+    unsigned count = 0;
+    uint32_t last = 0;
+    for (uint16_t i = 0; i < dictionary->count; i++) {
+        const uint32_t index = dictionary->rows[i].key >> 16;
+        if (dg_co_role_of(&self->encoder.file, i) != DG_CO_STORES || index == last) {
+            continue;
+        }
+        last = index;
+        if (count++ < VALUES_TOLD) {
+            lx_words_add(&list, " %04Xh", (unsigned)index);
+        }
+    }
+    if (count > VALUES_TOLD) {
+        lx_words_add(&list, " and %u more, as 'drehgeber eds %s --explain' says",
+                     count - VALUES_TOLD, self->path);
+    }
+    if (count > 0) {
+        lx_note(say, "%s: values only:%s", self->path, list.text);
+    }
+}
+
+void eds_file_tell(const struct eds_file *self, const struct lx_say *say)
+{
+    unsigned lacks = 0;
+    tell_values(self, say);
+    for (size_t i = 0; i < self->note_count; i++) {
+        if (self->notes[i].lacks && lacks++ < LACKS_TOLD) {
+            char text[NOTE_MAX];
+            say_note(self, &self->notes[i], text);
+            lx_note(say, "%s", text);
+        }
+    }
+    if (lacks > LACKS_TOLD) {
+        lx_note(say, "%s: %u more that its encoder does not do, as 'drehgeber check %s' says",
+                self->path, lacks - LACKS_TOLD, self->path);
+    }
+}
+
+void eds_file_tell_plan(const struct dg_plan *plan, const struct lx_say *say)
+{
+    for (size_t i = 0; i < plan->model_file_count; i++) {
+        const struct dg_plan_model_file *file = &plan->model_files[i];
+        if (file->lacks > 0) {
+            lx_note(say, "%s: %u %s that its encoders do not do, as 'drehgeber check %s' says",
+                    file->file, file->lacks, file->lacks == 1 ? "thing" : "things", file->file);
+        }
+    }
+}
+
+/* "1 value", "2 values" */
+static const char *plural(unsigned count, const char *one, const char *many)
+{
+    return count == 1 ? one : many;
+}
+
 int eds_file_check(const char *path)
 {
     struct lx_error error;
-    struct eds_file *self = eds_file_open(path, true, &error);
+    struct eds_file *self = eds_file_open(path, &error);
     if (self == NULL) {
         return complain(&error, EXIT_OTHER);
     }
+    for (size_t i = 0; i < self->note_count; i++) {
+        char text[NOTE_MAX];
+        say_note(self, &self->notes[i], text);
+        (void)printf("%s\n", text);
+    }
     const struct dg_co_file *file = &self->encoder.file;
-    (void)printf("%s: %s, %s: %u objects, %u sub-indices behave, %u are values, %u notes\n", path,
-                 self->encoder.name, self->encoder.resolution, (unsigned)file->objects,
-                 (unsigned)file->bound, (unsigned)file->plain, self->note_count);
+    const unsigned notes = (unsigned)self->note_count;
+    (void)printf(
+        "%s: %s, %s: %u %s, %u %s, %u %s, %u %s\n", self->path, self->encoder.name,
+        self->encoder.resolution, file->objects, plural(file->objects, "object", "objects"),
+        file->bound, plural(file->bound, "sub-index behaves", "sub-indices behave"), file->plain,
+        plural(file->plain, "is a value", "are values"), notes, plural(notes, "note", "notes"));
     eds_file_close(self);
     return EXIT_OK;
 }

@@ -48,7 +48,13 @@ static const struct {
               "  drehgeber check vendor.eds\n"},
     {"eds", "An electronic data sheet as CiA 306 has it, made of the object dictionary.\n"
             "\n"
-            "  drehgeber eds f3668 > f3668.eds\n"},
+            "  drehgeber eds f3668 > f3668.eds\n"
+            "  drehgeber eds f3668 | drehgeber run - --slcan\n"
+            "\n"
+            "Of a file --explain says what each object does as an encoder: it is simulated,\n"
+            "stores, is constant, or is refused.\n"
+            "\n"
+            "  drehgeber eds vendor.eds --explain\n"},
     {"model", "It is a text on stdout: the model's figures as a struct, and a dg_device for\n"
               "dg_host_init() and its like. It links with the library, or with the protocol's\n"
               "folder of its sources.\n"

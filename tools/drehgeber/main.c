@@ -41,6 +41,14 @@ static void write_text(void *to, const char *text, size_t n)
 static int eds(const struct options *options)
 {
     const struct dg_device *device = options->device;
+    if (options->explain != eds_file_is(options->model)) {
+        lx_complain("eds explains files, and prints those of models; right is 'drehgeber eds "
+                    "FILE.eds --explain' or 'drehgeber eds MODEL'");
+        return EXIT_USAGE;
+    }
+    if (options->explain) {
+        return printed(eds_explain(options->model));
+    }
     const struct dg_co_sheet *sheet = dg_cia406_sheet_of(device);
     if (sheet == NULL) {
         struct lx_words right = {""};

@@ -17,8 +17,8 @@
 /* Options that only those commands have which list them in `takes`. */
 static bool of_few(const struct argp_option *option)
 {
-    static const int keys[] = {KEY_JSON,  KEY_OUTPUT, KEY_FMI,     KEY_LISTEN,
-                               KEY_TOKEN, KEY_WATCH,  KEY_TIMEOUT, KEY_C};
+    static const int keys[] = {KEY_JSON,  KEY_EXPLAIN, KEY_OUTPUT,  KEY_FMI, KEY_LISTEN,
+                               KEY_TOKEN, KEY_WATCH,   KEY_TIMEOUT, KEY_C};
     for (size_t i = 0; i < DG_COUNT(keys); i++) {
         if (option->key == keys[i]) {
             return true;
@@ -164,8 +164,8 @@ static const struct command_row *command_near(const char *text)
 /* What run takes. */
 static bool is_runnable(const char *word)
 {
-    return word != NULL &&
-           (dg_device_find(word) != NULL || strstr(word, ".ini") != NULL || eds_file_is(word));
+    return word != NULL && (dg_device_find(word) != NULL || strstr(word, ".ini") != NULL ||
+                            dg_model_file_of(word) != NULL);
 }
 
 /* `next`: the word behind it; NULL: none. */
@@ -241,7 +241,7 @@ static const struct {
 } switches[] = {
     {KEY_JSON, offsetof(struct options, json)},   {KEY_VERBOSE, offsetof(struct options, verbose)},
     {KEY_WATCH, offsetof(struct options, watch)}, {KEY_QUIET, offsetof(struct options, say.quiet)},
-    {KEY_C, offsetof(struct options, c)},
+    {KEY_C, offsetof(struct options, c)},         {KEY_EXPLAIN, offsetof(struct options, explain)},
 };
 
 /* An empty one is most likely an empty variable of a script. */
@@ -449,7 +449,7 @@ static enum command find_help(struct options *self, int argc, char **argv)
             found = found != COMMAND_NONE ? found : version ? COMMAND_VERSION : COMMAND_HELP;
         } else if (self->row == NULL || self->row->command == COMMAND_HELP) {
             self->row = command_find(word);
-        } else if (self->model == NULL && word[0] != '-') {
+        } else if (self->model == NULL && !is_option(word)) {
             self->model = word;
         }
     }
@@ -461,8 +461,7 @@ int options_parse(struct options *self, int argc, char **argv)
     *self = (struct options){.command = COMMAND_NONE, .parsed = 1};
     self->command = find_help(self, argc, argv);
     if (self->command != COMMAND_NONE) {
-        (void)options_find_model(self);
-        return 0;
+        return options_find_model(self);
     }
     const struct command_row *const meant = self->row; /* options are parsed before arguments */
     self->row = NULL;

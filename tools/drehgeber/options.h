@@ -46,8 +46,8 @@ struct command_row {
     const char *usage; /* behind "drehgeber " */
     const char *help;  /* may have several lines */
     const char *takes; /* its options, with blanks around each; NULL: all but those of files that
-                          it writes, and of the page: "json", "c", "output", "fmi",
-                          "listen", "token", "watch", "timeout" */
+                          it writes, and of the page: "json", "explain", "c", "output",
+                          "fmi", "listen", "token", "watch", "timeout" */
     /* COMMAND_ASK: do what options->words say over a simulated wire. Prints its own errors.
        @return how the program ends */
     int (*ask)(const struct options *options);
@@ -91,6 +91,7 @@ struct options {
     size_t control_count;
     bool json;
     bool c;
+    bool explain;
     bool watch;
     bool verbose;
     struct lx_say say;
@@ -119,7 +120,7 @@ const struct dg_plan_wire_kind *
 options_wire(const struct options *self, const struct dg_device *device, struct lx_error *error);
 
 /* Find what MODEL names: `device`, and the file that it comes from. 0, also when there is none, or
-   -1 with self->error: `run` of an EDS file that is none. */
+   -1 with self->error: an EDS file that is none. */
 int options_find_model(struct options *self);
 
 /* What `run` is to be: of a model, a ring, or a rig file, whose plan is handed over: to be called

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* What MODEL names: one that is built in, or one of a file. */
+#include <string.h>
+
 #include "drehgeber/drehgeber.h"
 #include "eds_file.h"
 #include "models.h"
@@ -29,7 +31,7 @@ static void search_model(struct options *self)
 /* An EDS file is the model. */
 static int open_eds(struct options *self)
 {
-    self->eds = eds_file_open(self->model, false, &self->error);
+    self->eds = eds_file_open(self->model, &self->error);
     if (self->eds == NULL) {
         return -1;
     }
@@ -45,7 +47,10 @@ int options_find_model(struct options *self)
         return 0;
     }
     if (eds_file_is(self->model)) {
-        return self->row->command == COMMAND_RUN ? open_eds(self) : 0;
+        const bool later = self->row->command == COMMAND_CHECK ||
+                           self->row->command == COMMAND_EDS ||
+                           (self->command == COMMAND_HELP && strcmp(self->model, "-") == 0);
+        return later ? 0 : open_eds(self);
     }
     self->device = dg_device_find(self->model);
     if (self->device == NULL && models_is_file(self->model)) {

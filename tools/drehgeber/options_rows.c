@@ -124,6 +124,11 @@ const struct argp_option option_rows[] = {
         .doc = "for programs: an array of objects",
     },
     {
+        .name = "explain",
+        .key = KEY_EXPLAIN,
+        .doc = "of a FILE.eds: what each object does as an encoder",
+    },
+    {
         .name = "verbose",
         .key = KEY_VERBOSE,
         .doc = "what goes over the wire in words, on stderr",

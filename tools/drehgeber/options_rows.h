@@ -22,6 +22,7 @@ enum option_key {
     KEY_TIMEOUT,
     KEY_C,
     KEY_JSON,
+    KEY_EXPLAIN,
     KEY_RING,
     KEY_NVM,
     KEY_SERIAL,

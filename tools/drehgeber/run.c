@@ -11,6 +11,7 @@
 #include <systemd/sd-event.h>
 #include <unistd.h>
 
+#include "eds_file.h"
 #include "ending.h"
 #include "plan.h"
 #include "rig.h"
@@ -170,6 +171,10 @@ int run_rig(const struct options *options)
     if (self.span != 0 || self.stepped) {
         lx_time_own();
     }
+    if (options->eds != NULL) {
+        eds_file_tell(options->eds, &options->say);
+    }
+    eds_file_tell_plan(&self.plan, &options->say);
     int status = live(&self);
     lx_timer_close(&self.print);
     if (lx_rig_close(self.rig, &error) != 0 && status == EXIT_OK) {

@@ -138,6 +138,103 @@ def test_check_says_what_is_in_a_file(tmp_path, vendor):
         "[2002] DefaultValue is no number of its type, and left out; right is a number, as 7, 0x0007 or $NODEID+0x180"]
 
 
+def test_check_counts_as_one_speaks(tmp_path):
+    (tmp_path / "one.eds").write_text("[1000]\nDataType=7\nDefaultValue=0x30191\nAccessType=ro\n[2000]\nDataType=5\nAccessType=rw\n")
+    assert run("check", tmp_path / "one.eds").stdout.endswith("2 objects, 1 sub-index behaves, 1 is a value, 1 note\n")
+
+
+LACKING = ("[1400]\nParameterName=RPDO\nObjectType=9\n[1400sub1]\nDataType=7\nAccessType=rw\nDefaultValue=0x200\n"
+           "[2040]\nParameterName=Wide\nDataType=0x15\nAccessType=rw\n")
+
+
+def test_what_each_object_does(tmp_path, vendor):
+    vendor.write_text(vendor.read_text().replace("[6004]", "[2001]\nParameterName=\x1b[2J\nDataType=5\nAccessType=rw\n[6004]") + LACKING)
+    said = run("eds", vendor, "--explain")
+    assert (said.returncode, said.stderr) == (0, "")
+    assert said.stdout.splitlines() == [
+        "1000h     constant   Object 1000",
+        "1010h     constant   Highest",
+        "1010h:1   simulated  All",
+        "1017h     simulated  Object 1017",
+        "1400h:1   stores     a PDO that this node does not have: values only",
+        "2000h     stores     Object 2000",
+        "2001h     stores     ?[2J",
+        "2040h     refused    Wide; is left out: it has no such type",
+        "6000h     simulated  Object 6000",
+        "6001h     simulated  Object 6001",
+        "6002h     simulated  Object 6002",
+        "6003h     simulated  Object 6003",
+        "6004h     simulated  Object 6004",
+        "6501h     constant   Object 6501",
+        "6502h     constant   Object 6502",
+    ]
+    for words in (("eds", vendor), ("eds", "f3668", "--explain"), ("eds", tmp_path / "missing.eds", "--explain")):
+        refused = run(*words)
+        assert refused.returncode != 0 and refused.stdout == "" and refused.stderr.count("\n") == 1
+
+
+def test_what_it_does_not_do_is_said_at_the_start(tmp_path, vendor):
+    many = "".join(f"[{index:04X}]\nDataType=5\nAccessType=rw\n" for index in range(0x3000, 0x3020))
+    wide = "".join(f"[{index:04X}]\nDataType=0x15\nAccessType=rw\n" for index in range(0x4000, 0x4005))
+    live = ("--slcan", "--time", "virtual:1MS")
+    assert run("run", vendor, *live).stderr == f"drehgeber: {vendor}: values only: 2000h\n"
+    vendor.write_text(vendor.read_text() + many + wide)
+    told = run("run", vendor, *live).stderr.replace(str(vendor), "x.eds").splitlines()
+    assert told[0] == ("drehgeber: x.eds: values only: 2000h 3000h 3001h 3002h 3003h 3004h 3005h 3006h and 25 more, "
+                       "as 'drehgeber eds x.eds --explain' says")
+    assert [re.sub(r":\d+:", ":", line) for line in told[1:4]] == [
+        f"drehgeber: x.eds: [{index}] DataType is left out: it has no such type; right is 0x1 to 0xB, or 0xF"
+        for index in (4000, 4001, 4002)]
+    assert told[4:] == ["drehgeber: x.eds: 2 more that its encoder does not do, as 'drehgeber check x.eds' says"]
+    assert run("run", vendor, *live, "--quiet").stderr == ""
+    (tmp_path / "bench.ini").write_text("[bus b]\nwire = slcan\n[encoder a]\nmodel = vendor.eds\nbus = b\nnode = 1..3\n")
+    told = run("run", tmp_path / "bench.ini", "--time", "virtual:1MS").stderr
+    assert told.replace(f"{tmp_path}/", "") == ("drehgeber: vendor.eds: 5 things that its encoders do not do, as "
+                                                "'drehgeber check vendor.eds' says\n")
+
+
+def test_a_file_comes_by_stdin(tmp_path):
+    """eds f3668 | run -: the encoder that it was, in the same words."""
+    link = tmp_path / "can"
+    eds = run("eds", "f3668").stdout
+    (tmp_path / "f3668.eds").write_text(eds)
+    with subprocess.Popen([PROGRAM, "run", "-", f"--slcan={link}", "--shaft", "90DEG"], stdin=subprocess.PIPE,
+                          stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+        network = canopen.Network()
+        try:
+            process.stdin.write(eds)
+            process.stdin.close()
+            assert process.stdout.readline().startswith("ready f3668 slcan:")
+            network.connect(interface="slcan", channel=str(link), bitrate=250000)
+            node = network.add_node(63, str(tmp_path / "f3668.eds"))
+            assert (node.sdo[0x6004].raw, node.sdo[0x6501].raw) == (16384, 65536)
+        finally:
+            network.disconnect()
+            process.terminate()
+            assert process.wait(PATIENCE_S) == 0
+            assert process.stderr.read() == ""
+    nothing = run("run", "-", "--slcan")
+    assert (nothing.returncode, nothing.stderr) == (
+        2, "drehgeber: stdin: no object; right is an EDS or DCF file, with sections as [1000]\n")
+
+
+def test_commands_that_take_a_model(tmp_path, vendor):
+    """Help, and what can happen to it; an FMU is refused by what it is."""
+    missing = tmp_path / "missing.eds"
+    for words in (("run", missing, "--help"), ("faults", missing), ("fmu", missing, "--output", "x.fmu")):
+        said = run(*words)
+        assert (said.returncode, said.stdout) == (2, "")
+        assert said.stderr == f"drehgeber: {missing}: cannot open: No such file or directory\n"
+    assert "acme-3600" in run("run", vendor, "--help").stdout
+    assert "acme-3600" in run("faults", vendor).stdout
+    own = tmp_path / "own.eds"
+    own.write_text(run("eds", "f3668").stdout)
+    for path, name in ((vendor, "acme-3600"), (own, "f3668")):
+        said = run("fmu", path, "--output", tmp_path / "x.fmu")
+        assert (said.returncode, said.stderr) == (
+            2, f"drehgeber: {name} is the model of a file, which an FMU does not have; a built-in model is right\n")
+
+
 @pytest.mark.parametrize("text, what", [
     ("", "no object"),
     ("[1000]\nDataType=0x1B\n", "no object that can be read"),
