@@ -92,6 +92,7 @@ struct dg_co_cell {
     uint32_t initial; /**< default; signed ones sign-extended, likewise the limits */
     struct dg_co_limits limits;
     bool follows; /**< the node-ID is added to the default */
+    uint8_t type; /**< enum dg_co_type */
 };
 
 /**
@@ -146,6 +147,27 @@ DG_API enum dg_co_role dg_co_role_of(const struct dg_co_file *self, uint16_t n);
 
 /** Line of the first section of an object, e.g. [6501]; 0: there is none. */
 DG_API unsigned dg_co_find_object(const struct dg_eds_setup *setup, uint16_t index);
+
+/** Why an object of an image is not one of a file. */
+enum dg_co_misfit {
+    DG_CO_FOREIGN, /**< 1000h or 1018h: another device type, vendor, product or revision */
+    DG_CO_GONE,    /**< the file has no such value */
+    DG_CO_NEW,     /**< the image has none */
+    DG_CO_RETYPED,
+    DG_CO_OUTSIDE, /**< its value is outside of the file's limits */
+    DG_CO_MISFIT_COUNT
+};
+
+/**
+ * Copy what fits from the EEPROM of a device of any file to that of `self`, which was formatted and
+ * never used. What does not fit is told with its DG_CO_KEY(). An image in which nothing was ever
+ * saved does not say of which file it is.
+ * @param from is repaired where a power cut left it; give a copy
+ * @param to ops NULL: nothing is copied
+ * @return 0; DG_ERR_FOREIGN: not one of a file that is put on the same encoder; DG_ERR_IO
+ */
+DG_API int dg_co_convert(const struct dg_co_file *self, struct dg_nvm from, struct dg_nvm to,
+                         void (*tell)(void *ctx, uint32_t key, enum dg_co_misfit why), void *ctx);
 
 /** The values of the cells of a node with such a device: as many as its file has cells. */
 DG_API uint32_t *dg_co_cells(const struct dg_co_node *node);

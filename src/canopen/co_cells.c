@@ -23,17 +23,6 @@ uint32_t *dg_co_cells(const struct dg_co_node *node)
     return (uint32_t *)(void *)(application + file_of(node)->cells_at);
 }
 
-static bool is_inside(const struct dg_co_cell *cell, const struct dg_co_object *object,
-                      uint32_t value)
-{
-    const struct dg_co_limits *range = &cell->limits;
-
-    if (co_type(object) <= DG_CO_I32) {
-        return (int32_t)value >= (int32_t)range->min && (int32_t)value <= (int32_t)range->max;
-    }
-    return value >= range->min && value <= range->max;
-}
-
 /* The default of its row is the number of its cell. */
 enum dg_co_abort dg_co_hook_cell(struct dg_co_node *node, const struct dg_co_object *object,
                                  enum dg_co_op op, uint32_t *value)
@@ -44,7 +33,7 @@ enum dg_co_abort dg_co_hook_cell(struct dg_co_node *node, const struct dg_co_obj
         *value = dg_co_cells(node)[number];
         return DG_CO_OK;
     }
-    if (!is_inside(&file_of(node)->cells[number], object, *value)) {
+    if (!eds_is_inside(&file_of(node)->cells[number], *value)) {
         return DG_CO_RANGE;
     }
     dg_co_cells(node)[number] = *value;
@@ -59,23 +48,62 @@ enum dg_co_abort dg_co_hook_follows(struct dg_co_node *node, const struct dg_co_
     return DG_CO_OK;
 }
 
-/* Cells of region `n` behind the base's. */
-static uint16_t cells_in(const struct dg_co_file *file, uint8_t n)
-{
-    const uint32_t left = file->kept - n * EDS_CELLS_A_REGION;
+/* ------------------------------------------------------------ what an image tells */
 
-    return (uint16_t)(left < EDS_CELLS_A_REGION ? left : EDS_CELLS_A_REGION);
+#define TAG 0x31534445u /* "EDS1" */
+
+uint32_t dg_co_file_word(const struct dg_co_file *self, uint32_t n)
+{
+    const struct dg_co_device *device = &self->device;
+    const uint32_t head[EDS_WORD_CELLS] = {
+        [EDS_WORD_TAG] = TAG,
+        [EDS_WORD_BASE] = self->base->layout->id,
+        [EDS_WORD_TYPE] = device->device_type,
+        [EDS_WORD_VENDOR] = device->vendor_id,
+        [EDS_WORD_PRODUCT] = device->product_code,
+        [EDS_WORD_REVISION] = device->revision,
+        [EDS_WORD_KEPT] = self->kept,
+    };
+
+    return n < EDS_WORD_CELLS
+               ? head[n]
+               : self->cells[n - EDS_WORD_CELLS].key | self->cells[n - EDS_WORD_CELLS].type;
+}
+
+void dg_co_write_words(const struct dg_co_file *self, struct dg_store *store)
+{
+    const uint8_t region = self->base->layout->region_count;
+    const uint32_t count = EDS_WORD_CELLS + self->kept;
+
+    for (uint32_t n = 0; n < count && self->kept > 0; n++) {
+        uint8_t right[4];
+        uint8_t found[4] = {0};
+        dg_store_le32(right, dg_co_file_word(self, n));
+        if (dg_store_read(store, region, (uint16_t)(4u * n), found, 4) == DG_OK &&
+            memcmp(right, found, 4) != 0) {
+            (void)dg_store_put(store, region, (uint16_t)(4u * n), right, 4);
+        }
+    }
+}
+
+/* ------------------------------------------------------------ saving, loading */
+
+/* The first region of cells. */
+static uint8_t first_of(const struct dg_co_file *file)
+{
+    return (uint8_t)(file->base->layout->region_count + 1u);
 }
 
 static void store_cells(struct dg_co_node *node)
 {
     const struct dg_co_file *file = file_of(node);
-    const uint8_t first = file->base->layout->region_count;
+    const uint8_t first = first_of(file);
     const uint32_t *value = dg_co_cells(node);
     uint8_t bytes[DG_STORE_CHECKED_MAX];
 
-    for (uint8_t n = 0; n < file->layout.region_count - first; n++) {
-        const uint16_t count = cells_in(file, n);
+    dg_co_write_words(file, &node->store);
+    for (uint8_t n = 0; first + n < file->layout.region_count; n++) {
+        const uint16_t count = eds_cells_in(file->kept, n);
         for (uint16_t i = 0; i < count; i++) {
             dg_store_le32(&bytes[(size_t)4u * i], *value++);
         }
@@ -108,12 +136,12 @@ static bool is_saved(struct dg_co_node *node)
 static void load_cells(struct dg_co_node *node)
 {
     const struct dg_co_file *file = file_of(node);
-    const uint8_t first = file->base->layout->region_count;
+    const uint8_t first = first_of(file);
     uint8_t bytes[DG_STORE_CHECKED_MAX];
 
-    for (uint8_t n = 0; n < file->layout.region_count - first; n++) {
+    for (uint8_t n = 0; first + n < file->layout.region_count; n++) {
         const uint8_t region = (uint8_t)(first + n);
-        const uint16_t count = cells_in(file, n);
+        const uint16_t count = eds_cells_in(file->kept, n);
         uint32_t *value = dg_co_cells(node) + (size_t)n * EDS_CELLS_A_REGION;
         if (dg_store_damaged(&node->store, region) ||
             dg_store_read(&node->store, region, 0, bytes, (uint16_t)(4u * count)) != DG_OK) {

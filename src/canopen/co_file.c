@@ -233,6 +233,7 @@ static uint32_t layout_id(const struct eds_maker *self)
     return id;
 }
 
+/* Of the store behind the base's regions. */
 static const char *cells_name(struct eds_reader *in, uint32_t n)
 {
     const char text[] = {'v', 'a', 'l', 'u', 'e', 's', (char)('a' + n)};
@@ -260,7 +261,7 @@ static void make_layout(struct eds_maker *self)
 {
     const struct dg_store_layout *base = self->to->base->layout;
     struct dg_co_file *to = self->to;
-    const uint32_t room = (DG_STORE_REGIONS_MAX - base->region_count) * EDS_CELLS_A_REGION;
+    const uint32_t room = (DG_STORE_REGIONS_MAX - 1u - base->region_count) * EDS_CELLS_A_REGION;
     struct dg_store_region *regions =
         dg_co_keep_bytes(&self->in, DG_STORE_REGIONS_MAX * sizeof *regions);
 
@@ -271,11 +272,14 @@ static void make_layout(struct eds_maker *self)
     memcpy(regions, base->regions, base->region_count * sizeof *regions);
     choose_bus(self, &regions[DG_CO_REGION_BUS]);
     uint8_t count = base->region_count;
-    for (uint32_t at = 0; at < to->kept; at += EDS_CELLS_A_REGION) {
-        const uint32_t left = to->kept - at;
+    if (to->kept > 0) {
         regions[count++] = (struct dg_store_region){
-            .name = cells_name(&self->in, at / EDS_CELLS_A_REGION),
-            .size = (uint16_t)(4u * (left < EDS_CELLS_A_REGION ? left : EDS_CELLS_A_REGION)),
+            .name = "objects", .size = (uint16_t)(4u * (EDS_WORD_CELLS + to->kept))};
+    }
+    for (uint32_t n = 0; n * EDS_CELLS_A_REGION < to->kept; n++) {
+        regions[count++] = (struct dg_store_region){
+            .name = cells_name(&self->in, n),
+            .size = (uint16_t)(4u * eds_cells_in(to->kept, n)),
             .check = DG_STORE_CHECKED,
         };
     }

@@ -147,4 +147,38 @@ bool dg_co_reset_file(struct dg_co_node *node, bool application);
 /** Cells in a region of the store. */
 #define EDS_CELLS_A_REGION (DG_STORE_CHECKED_MAX / 4u)
 
+/** Whether a cell may have this value, sign-extended where its type is signed. */
+static inline bool eds_is_inside(const struct dg_co_cell *cell, uint32_t value)
+{
+    const struct dg_co_limits *range = &cell->limits;
+
+    return cell->type <= DG_CO_I32
+               ? (int32_t)value >= (int32_t)range->min && (int32_t)value <= (int32_t)range->max
+               : value >= range->min && value <= range->max;
+}
+
+/** What the region "objects", in front of those of the cells, tells of the file: words of 32 bits,
+ * one for each cell behind these. It is written by the first "save". */
+enum eds_word {
+    EDS_WORD_TAG,
+    EDS_WORD_BASE, /**< id of the base's layout */
+    EDS_WORD_TYPE,
+    EDS_WORD_VENDOR,
+    EDS_WORD_PRODUCT,
+    EDS_WORD_REVISION,
+    EDS_WORD_KEPT,
+    EDS_WORD_CELLS, /**< key, and its type in the last byte */
+};
+/** Word `n` of a file. */
+uint32_t dg_co_file_word(const struct dg_co_file *self, uint32_t n);
+/** Write them all, as far as they are not there. */
+void dg_co_write_words(const struct dg_co_file *self, struct dg_store *store);
+/** Cells in region `n` of them, of so many. */
+static inline uint16_t eds_cells_in(uint16_t kept, uint32_t n)
+{
+    const uint32_t left = kept - n * EDS_CELLS_A_REGION;
+
+    return (uint16_t)(left < EDS_CELLS_A_REGION ? left : EDS_CELLS_A_REGION);
+}
+
 #endif

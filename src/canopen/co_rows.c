@@ -280,6 +280,7 @@ static void make_plain(struct eds_maker *self, const struct eds_entry *entry, st
         .initial = initial,
         .limits = limits_of(self, entry, &object, initial, follows, dg_co_type_limits(&object)),
         .follows = follows,
+        .type = (uint8_t)co_type(&object),
     };
 }
 

@@ -1,0 +1,259 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The EEPROM of an EDS file's encoder, with another file. Masters are SDO clients on a handle.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "drehgeber/bits.h"
+#include "drehgeber/cia406.h"
+#include "drehgeber/host_wire.h"
+#include "ram_nvm.h"
+
+#define MEMORY 65536u
+#define IMAGE 8192u
+#define HANDLE 32768u
+#define NODE_ID 7u
+#define TOLD_MAX 16u
+#define SAVE 0x65766173u
+
+#define HEAD(type)                                                                                 \
+    "[1000]\nDataType=7\nAccessType=ro\nDefaultValue=" type "\n"                                   \
+    "[1010sub1]\nDataType=7\nAccessType=rw\nDefaultValue=1\n"                                      \
+    "[1017]\nDataType=6\nAccessType=rw\nDefaultValue=0\n"                                          \
+    "[6003]\nDataType=7\nAccessType=rw\nDefaultValue=0\n"                                          \
+    "[6004]\nDataType=7\nAccessType=ro\n"                                                          \
+    "[6501]\nDataType=7\nAccessType=ro\nDefaultValue=4096\n"                                       \
+    "[6502]\nDataType=6\nAccessType=ro\nDefaultValue=4096\n"
+#define VALUE(index, type, more) "[" #index "]\nAccessType=rw\nDataType=" #type "\n" more
+
+static const char before[] =
+    HEAD("0x20196") VALUE(2000, 7, "") VALUE(2001, 5, "") VALUE(2002, 6, "") VALUE(2003, 3, "");
+static const char after[] =
+    HEAD("0x20196") VALUE(2000, 7, "HighLimit=10\n") VALUE(2001, 5, "DefaultValue=2\n")
+        VALUE(2002, 7, "DefaultValue=6\n") VALUE(2004, 7, "DefaultValue=8\n");
+
+struct encoder {
+    struct dg_cia406_file file;
+    _Alignas(max_align_t) uint8_t memory[MEMORY];
+    _Alignas(DG_HOST_ALIGN) uint8_t handle[HANDLE];
+    struct dg_host *host;
+    uint64_t now;
+};
+
+static struct encoder first, second;
+static struct {
+    uint32_t key;
+    enum dg_co_misfit why;
+} told[TOLD_MAX];
+static size_t told_count;
+
+static void read_file(struct encoder *self, const char *text)
+{
+    const struct dg_eds_setup setup = {
+        .size = sizeof setup,
+        .text = text,
+        .n = strlen(text),
+        .memory = self->memory,
+        .memory_size = sizeof self->memory,
+    };
+    const struct dg_host_wire *wire = dg_host_wire_of(&dg_f3668);
+    struct dg_eds_note error;
+
+    assert_int_equal(dg_cia406_read(&self->file, &setup, &error), DG_OK);
+    assert_true(dg_host_size(&self->file.device, wire) <= HANDLE);
+    self->host = dg_host_init(self->handle, HANDLE, &self->file.device, wire);
+    assert_non_null(self->host);
+    self->now = DG_S(1);
+}
+
+static void switch_on(struct encoder *self)
+{
+    char text[8];
+
+    (void)snprintf(text, sizeof text, "%u", NODE_ID);
+    assert_int_equal(dg_host_set(self->host, "node", text), DG_HOST_OK);
+    assert_int_equal(dg_host_power(self->host, self->now, true), DG_HOST_OK);
+}
+
+static uint32_t ask(struct encoder *self, uint8_t command, uint16_t index, uint8_t sub,
+                    uint32_t value)
+{
+    struct dg_host_event event = {.id = 0x600u + NODE_ID, .kind = DG_HOST_CAN, .length = 8};
+
+    event.data[0] = command;
+    dg_store_le16(&event.data[1], index);
+    event.data[3] = sub;
+    dg_store_le32(&event.data[4], value);
+    event.at = self->now;
+    assert_int_equal(dg_host_send(self->host, &event), DG_HOST_OK);
+    self->now += DG_MS(50);
+    (void)dg_host_step(self->host, self->now);
+    while (dg_host_receive(self->host, &event) > 0) {
+        if (event.id == 0x580u + NODE_ID) {
+            assert_int_not_equal(event.data[0], 0x80);
+            return dg_load_le32(&event.data[4]);
+        }
+    }
+    fail_msg("no answer for %04Xh:%u", index, sub);
+    return 0;
+}
+
+static uint32_t upload(struct encoder *self, uint16_t index)
+{
+    return ask(self, 0x40, index, 0, 0);
+}
+
+static void download(struct encoder *self, uint16_t index, uint32_t value, uint8_t n)
+{
+    (void)ask(self, (uint8_t)(0x23u + 4u * (4u - n)), index, 0, value);
+}
+
+static void write_values(uint32_t at_2000)
+{
+    switch_on(&first);
+    download(&first, 0x2000, at_2000, 4);
+    download(&first, 0x2001, 9, 1);
+    download(&first, 0x2002, 0x1234, 2);
+    download(&first, 0x2003, 0xFFFE, 2);
+    download(&first, 0x1017, 0x300, 2);
+    download(&first, 0x6003, 77, 4);
+}
+
+static void keep_misfit(void *ctx, uint32_t key, enum dg_co_misfit why)
+{
+    assert_ptr_equal(ctx, told);
+    assert_true(told_count < TOLD_MAX);
+    told[told_count].key = key;
+    told[told_count++].why = why;
+}
+
+/* What the image of the first one is to the second one's file; `to`: copied there. */
+static int convert(struct dg_nvm to)
+{
+    static struct ram_nvm image;
+    const size_t size = dg_host_memory_size(first.host);
+
+    assert_true(size <= IMAGE);
+    ram_nvm_init(&image, IMAGE);
+    assert_int_equal(dg_host_memory_copy(first.host, image.bytes, size), DG_HOST_OK);
+    told_count = 0;
+    return dg_co_convert(&second.file.file, ram_nvm_port(&image), to, keep_misfit, told);
+}
+
+static void assert_told(uint32_t key, enum dg_co_misfit why)
+{
+    for (size_t i = 0; i < told_count; i++) {
+        if (told[i].key == key) {
+            assert_int_equal(told[i].why, why);
+            return;
+        }
+    }
+    fail_msg("nothing is said of %08Xh", key);
+}
+
+/* ------------------------------------------------------------ tests */
+
+static void an_image_tells_what_does_not_fit(void **state)
+{
+    (void)state;
+    read_file(&first, before);
+    read_file(&second, after);
+    write_values(11);
+    (void)ask(&first, 0x23, 0x1010, 1, SAVE);
+    assert_int_equal(convert((struct dg_nvm){NULL, NULL}), DG_OK);
+    assert_told(DG_CO_KEY(0x2000, 0), DG_CO_OUTSIDE);
+    assert_told(DG_CO_KEY(0x2002, 0), DG_CO_RETYPED);
+    assert_told(DG_CO_KEY(0x2003, 0), DG_CO_GONE);
+    assert_told(DG_CO_KEY(0x2004, 0), DG_CO_NEW);
+    assert_int_equal(told_count, 4);
+    read_file(&second, HEAD("0x10196") VALUE(2000, 7, ""));
+    assert_int_equal(convert((struct dg_nvm){NULL, NULL}), DG_OK);
+    assert_told(DG_CO_KEY(0x1000, 0), DG_CO_FOREIGN);
+}
+
+/* With it the encoder of the other file goes on where the first one ended. */
+static void what_fits_is_copied(void **state)
+{
+    static struct ram_nvm memory;
+    static uint8_t bytes[IMAGE];
+    (void)state;
+    for (uint32_t at_2000 = 5; at_2000 < 15; at_2000 += 6) {
+        read_file(&first, before);
+        read_file(&second, after);
+        write_values(at_2000);
+        (void)ask(&first, 0x23, 0x1010, 1, SAVE);
+        const size_t size = dg_host_memory_size(second.host);
+        ram_nvm_init(&memory, IMAGE);
+        assert_int_equal(dg_co_format(&second.file.file.device, ram_nvm_port(&memory), 1), DG_OK);
+        assert_int_equal(convert(ram_nvm_port(&memory)), DG_OK);
+        memcpy(bytes, memory.bytes, size);
+        assert_int_equal(dg_host_memory_load(second.host, bytes, size), DG_HOST_OK);
+        assert_int_equal(dg_host_power(second.host, second.now, true), DG_HOST_OK);
+        assert_int_equal(upload(&second, 0x2000), at_2000 > 10 ? 0 : at_2000);
+        assert_int_equal(upload(&second, 0x2001), 9);
+        assert_int_equal(upload(&second, 0x2002), 6);
+        assert_int_equal(upload(&second, 0x2004), 8);
+        assert_int_equal(upload(&second, 0x1017), 0x300);
+        assert_int_equal(upload(&second, 0x6003), 77);
+    }
+}
+
+/* Values that were never saved are nobody's. */
+static void what_was_not_saved_is_of_no_file(void **state)
+{
+    (void)state;
+    read_file(&first, before);
+    read_file(&second, after);
+    write_values(5);
+    assert_int_equal(convert((struct dg_nvm){NULL, NULL}), DG_ERR_FOREIGN);
+    assert_int_equal(told_count, 0);
+}
+
+/* Whatever stands in the image: it is refused, or what is made of it starts. */
+static void damaged_images_do_no_harm(void **state)
+{
+    static struct ram_nvm image, memory;
+    uint32_t seed = 1;
+    unsigned converted = 0;
+    (void)state;
+    read_file(&first, before);
+    read_file(&second, after);
+    write_values(5);
+    (void)ask(&first, 0x23, 0x1010, 1, SAVE);
+    const size_t size = dg_host_memory_size(first.host);
+    for (unsigned i = 0; i < 2000; i++) {
+        ram_nvm_init(&image, IMAGE);
+        ram_nvm_init(&memory, IMAGE);
+        assert_int_equal(dg_host_memory_copy(first.host, image.bytes, size), DG_HOST_OK);
+        for (unsigned n = 0; n <= i % 4u; n++) {
+            seed = seed * 1664525u + 1013904223u;
+            image.bytes[(seed >> 8) % size] = (uint8_t)(seed >> 24);
+        }
+        told_count = 0;
+        assert_int_equal(dg_co_format(&second.file.file.device, ram_nvm_port(&memory), 1), DG_OK);
+        const int result = dg_co_convert(&second.file.file, ram_nvm_port(&image),
+                                         ram_nvm_port(&memory), NULL, NULL);
+        assert_true(result == DG_OK || result == DG_ERR_FOREIGN);
+        converted += result == DG_OK ? 1u : 0u;
+    }
+    assert_true(converted > 1000 && converted < 2000);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(an_image_tells_what_does_not_fit),
+        cmocka_unit_test(what_fits_is_copied),
+        cmocka_unit_test(what_was_not_saved_is_of_no_file),
+        cmocka_unit_test(damaged_images_do_no_harm),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
