@@ -50,7 +50,7 @@ _drehgeber_options()
     case $1 in
         list) echo " --json --help" ;;
         faults) echo " --json --help" ;;
-        run) echo " --pty= --tty= --rs485= --sim --gpio= --can= --slcan= --socketcand= --silkit= --modbus= --ring= --nvm= --serial= --node= --shaft= --set= --control= --files= --trace= --time= --verbose --quiet --help --version" ;;
+        run) echo " --pty= --tty= --rs485= --sim --gpio= --can= --slcan= --socketcand= --silkit= --modbus= --ring= --nvm= --nvm-convert= --serial= --node= --shaft= --set= --control= --files= --trace= --time= --verbose --quiet --help --version" ;;
         check) echo " --help" ;;
         eds) echo " --explain --help" ;;
         model) echo " --c --help" ;;
@@ -79,6 +79,7 @@ _drehgeber_kind()
         --modbus) echo nothing ;;
         --ring) echo ring ;;
         --nvm) echo file ;;
+        --nvm-convert) echo nothing ;;
         --serial) echo nothing ;;
         --node) echo nothing ;;
         --shaft) echo motion ;;

@@ -55,7 +55,8 @@ static struct argp_option option_of(const struct dg_plan_wire_kind *wire, int ke
 static bool serves(const struct argp_option *option, const struct lx_stack *stack)
 {
     return stack == NULL || ((option->key != KEY_RING || stack->is_ring) &&
-                             (option->key != KEY_NODE || options_numbered(stack)));
+                             ((option->key != KEY_NODE && option->key != KEY_NVM_CONVERT) ||
+                              options_numbered(stack)));
 }
 
 struct argp_option *options_table(const struct command_row *row, const struct lx_stack *stack)
@@ -224,12 +225,19 @@ static const struct {
     int key;
     size_t offset; /* of the text in struct options */
 } texts[] = {
-    {KEY_RING, offsetof(struct options, ring)},       {KEY_NVM, offsetof(struct options, nvm)},
-    {KEY_SERIAL, offsetof(struct options, serial)},   {KEY_NODE, offsetof(struct options, node)},
-    {KEY_SHAFT, offsetof(struct options, shaft)},     {KEY_TRACE, offsetof(struct options, trace)},
-    {KEY_FILES, offsetof(struct options, files)},     {KEY_TIME, offsetof(struct options, time)},
-    {KEY_OUTPUT, offsetof(struct options, output)},   {KEY_FMI, offsetof(struct options, fmi)},
-    {KEY_LISTEN, offsetof(struct options, listen)},   {KEY_TOKEN, offsetof(struct options, token)},
+    {KEY_RING, offsetof(struct options, ring)},
+    {KEY_NVM, offsetof(struct options, nvm)},
+    {KEY_NVM_CONVERT, offsetof(struct options, nvm_convert)},
+    {KEY_SERIAL, offsetof(struct options, serial)},
+    {KEY_NODE, offsetof(struct options, node)},
+    {KEY_SHAFT, offsetof(struct options, shaft)},
+    {KEY_TRACE, offsetof(struct options, trace)},
+    {KEY_FILES, offsetof(struct options, files)},
+    {KEY_TIME, offsetof(struct options, time)},
+    {KEY_OUTPUT, offsetof(struct options, output)},
+    {KEY_FMI, offsetof(struct options, fmi)},
+    {KEY_LISTEN, offsetof(struct options, listen)},
+    {KEY_TOKEN, offsetof(struct options, token)},
     {KEY_TIMEOUT, offsetof(struct options, timeout)},
 };
 #define TEXT_COUNT DG_COUNT(texts)

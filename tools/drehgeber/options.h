@@ -73,6 +73,7 @@ struct options {
     const struct dg_plan_wire_kind *wire; /* NULL: not said */
     const char *where;                    /* the wire's value; NULL: none */
     const char *nvm;
+    const char *nvm_convert;
     const char *serial;
     const char *node;
     const char *shaft;

@@ -22,6 +22,13 @@ const struct argp_option option_rows[] = {
                "end)",
     },
     {
+        .name = "nvm-convert",
+        .key = KEY_NVM_CONVERT,
+        .arg = "NEW",
+        .doc =
+            "EDS files: make NEW of what fits of --nvm FILE, which is of another one, and use it",
+    },
+    {
         .name = "serial",
         .key = KEY_SERIAL,
         .arg = "N",

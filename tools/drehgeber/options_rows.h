@@ -25,6 +25,7 @@ enum option_key {
     KEY_EXPLAIN,
     KEY_RING,
     KEY_NVM,
+    KEY_NVM_CONVERT,
     KEY_SERIAL,
     KEY_SET,
     KEY_SHAFT,

@@ -12,6 +12,7 @@
 #include <unistd.h>
 
 #include "eds_file.h"
+#include "eds_nvm.h"
 #include "ending.h"
 #include "plan.h"
 #include "rig.h"
@@ -162,6 +163,12 @@ int run_rig(const struct options *options)
     struct running self = {.options = options};
     struct lx_error error;
     if (options_plan(options, &self.plan, &error) != 0) {
+        return complain(&error, EXIT_USAGE);
+    }
+    if ((options->nvm_convert != NULL &&
+         eds_nvm_convert(&self.plan, options->nvm_convert, &options->say, &error) != 0) ||
+        eds_nvm_check(&self.plan, &error) != 0) {
+        lx_plan_free(&self.plan);
         return complain(&error, EXIT_USAGE);
     }
     if (virtual_time_of(options->time, &self.plan, &self.span, &self.stepped, &error) != 0) {

@@ -126,6 +126,43 @@ def test_what_was_saved_is_there_again(tmp_path, vendor):
         assert node.sdo[0x2000].raw == 9
 
 
+def test_an_image_of_another_file(tmp_path, vendor):
+    """Refused with the objects; what fits goes on in a new file."""
+    old, new = tmp_path / "old.nvm", tmp_path / "new.nvm"
+    live = ("--slcan", "--time", "virtual:1MS")
+    with encoder(tmp_path, vendor, "--nvm", old) as node:
+        node.sdo[0x2000].raw = 9
+        node.sdo[0x1017].raw = 300
+        node.sdo[0x1010][1].raw = int.from_bytes(b"save", "little")
+    image = old.read_bytes()
+    vendor.write_text(vendor.read_text() + "[2001]\nParameterName=More\nDataType=5\nAccessType=rw\nDefaultValue=6\n")
+    said = run("run", vendor, *live, "--nvm", old)
+    assert (said.returncode, said.stdout) == (2, "")
+    assert said.stderr == (f"drehgeber: {old}: of another EDS file: 2001h is not in the image; "
+                           "--nvm-convert NEW makes one of what fits\n")
+    with encoder(tmp_path, vendor, "--nvm", old, "--nvm-convert", new) as node:
+        assert [node.sdo[index].raw for index in (0x2000, 0x1017, 0x2001)] == [9, 300, 6]
+    assert run("run", vendor, *live, "--nvm", new, "--quiet").returncode == 0
+    assert old.read_bytes() == image
+    again = run("run", vendor, *live, "--nvm", old, "--nvm-convert", new)
+    assert (again.returncode, again.stderr.splitlines()[-1]) == (
+        2, f"drehgeber: {new}: File exists; the name of a new file is right")
+    (tmp_path / "bench.ini").write_text("[encoder a]\nmodel = vendor.eds\nwire = slcan\nnvm = old.nvm\n")
+    assert "2001h is not in the image" in run("run", tmp_path / "bench.ini", "--time", "virtual:1MS").stderr
+
+
+@pytest.mark.parametrize("words, said", [
+    (("--nvm-convert", "NEW"), "--nvm-convert NEW: 'run FILE.eds --nvm OLD --nvm-convert NEW' is right"),
+    (("--nvm", "none.nvm", "--nvm-convert", "NEW"), "none.nvm: there is no image"),
+    (("--nvm", "vendor.eds", "--nvm-convert", "NEW"),
+     "vendor.eds: nothing that could be converted; an image in which the encoder of an EDS file has saved is right"),
+])
+def test_what_cannot_be_converted(tmp_path, vendor, words, said):
+    told = run("run", "vendor.eds", "--slcan", *words, cwd=tmp_path)
+    assert (told.returncode, told.stdout, told.stderr) == (2, "", f"drehgeber: {said}\n")
+    assert not (tmp_path / "NEW").exists()
+
+
 def test_check_says_what_is_in_a_file(tmp_path, vendor):
     said = run("check", vendor)
     assert (said.returncode, said.stderr) == (0, "")

@@ -1,0 +1,185 @@
+/* SPDX-License-Identifier: MIT */
+#define _GNU_SOURCE
+#include "eds_nvm.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "drehgeber/cia406.h"
+#include "file.h"
+#include "nvm_memory.h"
+
+/* Longer than any image. */
+#define IMAGE_MAX 65536u
+/* How much of a list is told. */
+#define OBJECTS_TOLD 8u
+
+static const char *const reasons[] = {
+    [DG_CO_FOREIGN] = "differs",
+    [DG_CO_GONE] = "is no value of the file",
+    [DG_CO_NEW] = "is not in the image",
+    [DG_CO_RETYPED] = "has another type",
+    [DG_CO_OUTSIDE] = "is outside of its limits",
+};
+_Static_assert(DG_COUNT(reasons) == DG_CO_MISFIT_COUNT, "a reason for each");
+
+/* What does not fit, in words. */
+struct misfits {
+    const char *path;
+    const struct lx_say *say; /* a note for each; NULL: they are collected */
+    struct lx_words words;
+    unsigned count;
+};
+
+static void tell_misfit(void *ctx, uint32_t key, enum dg_co_misfit why)
+{
+    struct misfits *self = ctx;
+    char object[16];
+    const unsigned sub = key >> 8 & 0xFFu;
+    (void)snprintf(object, sizeof object, sub == 0 ? "%04Xh" : "%04Xh:%u", key >> 16, sub);
+    self->count++;
+    if (self->say != NULL) {
+        lx_note(self->say, "%s: %s %s: as delivered", self->path, object, reasons[why]);
+    } else if (self->count <= OBJECTS_TOLD) {
+        lx_words_add(&self->words, "%s%s %s", self->count == 1 ? "" : ", ", object, reasons[why]);
+    }
+}
+
+/* The file that the model comes from; NULL: it is built in. */
+static const struct dg_co_file *file_of(const struct dg_device *model)
+{
+    const struct dg_cia406_model *figures = dg_cia406_model_of(model);
+    return figures == NULL || !figures->device->whole
+               ? NULL
+               : (const struct dg_co_file *)(const void *)figures->device;
+}
+
+/* A copy of an image. @return 0; 1: there is none; -1 with `error` */
+static int read_image(struct lx_nvm_memory *self, const char *path, struct lx_error *error)
+{
+    if (access(path, F_OK) != 0 && errno == ENOENT) {
+        return 1;
+    }
+    FILE *stream = lx_file_read(NULL, path, error);
+    if (stream == NULL) {
+        return -1;
+    }
+    const int made = lx_nvm_memory_init(self, IMAGE_MAX);
+    const size_t n = made == 0 ? fread(self->bytes, 1, IMAGE_MAX, stream) : 0;
+    const bool failed = made != 0 || ferror(stream) != 0;
+    (void)fclose(stream);
+    if (failed) {
+        lx_nvm_memory_free(self);
+        return lx_fail(error, "%s: cannot read", path);
+    }
+    return n == 0 ? 1 : 0;
+}
+
+/* ---------------------------------------------------------------- another file's */
+
+/* What it is to its own reader, which works on the copy. */
+static int mount_image(const struct dg_device *model, struct lx_nvm_memory *image)
+{
+    const struct dg_stack_setup setup = {.model = model->model, .nvm = lx_nvm_memory_port(image)};
+    struct dg_store store;
+    return model->stack->mount(&setup, &store);
+}
+
+static int check_image(const struct dg_device *model, const char *path, struct lx_error *error)
+{
+    struct misfits misfits = {.path = path};
+    struct lx_nvm_memory image = {.bytes = NULL};
+    int result = read_image(&image, path, error);
+    if (result == 0 && mount_image(model, &image) == DG_ERR_FOREIGN &&
+        dg_co_convert(file_of(model), lx_nvm_memory_port(&image), (struct dg_nvm){NULL, NULL},
+                      tell_misfit, &misfits) == DG_OK) {
+        if (misfits.count > OBJECTS_TOLD) {
+            lx_words_add(&misfits.words, " and %u more", misfits.count - OBJECTS_TOLD);
+        }
+        result = lx_refuse(error, "--nvm-convert NEW makes one of what fits",
+                           "%s: of another EDS file: %s", path,
+                           misfits.count == 0 ? "other limits" : misfits.words.text);
+    }
+    lx_nvm_memory_free(&image);
+    return result < 0 ? -1 : 0;
+}
+
+int eds_nvm_check(const struct dg_plan *plan, struct lx_error *error)
+{
+    int result = 0;
+    for (size_t i = 0; result == 0 && i < plan->encoder_count; i++) {
+        const struct dg_plan_encoder *encoder = &plan->encoders[i];
+        if (encoder->nvm != NULL && file_of(encoder->model) != NULL) {
+            result = check_image(encoder->model, encoder->nvm, error);
+        }
+    }
+    return result;
+}
+
+/* ---------------------------------------------------------------- converting */
+
+/* Never over something. */
+static int write_image(const struct lx_nvm_memory *self, const char *path, struct lx_error *error)
+{
+    FILE *stream = fopen(path, "wxe");
+    if (stream == NULL) {
+        return lx_refuse(error, "the name of a new file is right", "%s: %s", path, strerror(errno));
+    }
+    const bool whole = fwrite(self->bytes, 1, self->size, stream) == self->size;
+    if (fclose(stream) != 0 || !whole) {
+        (void)lx_fail(error, "%s: cannot write: %s", path, strerror(errno));
+        (void)unlink(path);
+        return -1;
+    }
+    return 0;
+}
+
+/* @return 0, or -1 with `error` */
+static int convert_image(const struct dg_plan_encoder *encoder, struct lx_nvm_memory *from,
+                         struct lx_nvm_memory *to, struct misfits *misfits, struct lx_error *error)
+{
+    const struct dg_co_file *file = file_of(encoder->model);
+    if (lx_nvm_memory_init(to, dg_store_size(&file->layout)) != 0) {
+        return lx_fail(error, "no memory for an EEPROM");
+    }
+    if (dg_co_format(&file->device, lx_nvm_memory_port(to), 0) == DG_OK &&
+        dg_co_convert(file, lx_nvm_memory_port(from), lx_nvm_memory_port(to), tell_misfit,
+                      misfits) == DG_OK) {
+        return 0;
+    }
+    return lx_refuse(error, "an image in which the encoder of an EDS file has saved is right",
+                     "%s: nothing that could be converted", encoder->nvm);
+}
+
+/* The one encoder, of an EDS file and with an EEPROM file. */
+static bool is_convertible(const struct dg_plan *plan)
+{
+    return plan->encoder_count == 1 && plan->encoders[0].nvm != NULL &&
+           file_of(plan->encoders[0].model) != NULL;
+}
+
+int eds_nvm_convert(struct dg_plan *plan, const char *path, const struct lx_say *say,
+                    struct lx_error *error)
+{
+    struct lx_nvm_memory from = {.bytes = NULL};
+    struct lx_nvm_memory to = {.bytes = NULL};
+    if (!is_convertible(plan)) {
+        (void)lx_refuse(error, "'run FILE.eds --nvm OLD --nvm-convert NEW' is right", "%s", "");
+        return lx_about(error, LX_ABOUT_KEY, "nvm-convert", path);
+    }
+    struct dg_plan_encoder *encoder = &plan->encoders[0];
+    struct misfits misfits = {.path = encoder->nvm, .say = say};
+    int result = read_image(&from, encoder->nvm, error);
+    if (result == 1) {
+        result = lx_fail(error, "%s: there is no image", encoder->nvm);
+    }
+    result = result == 0 ? convert_image(encoder, &from, &to, &misfits, error) : result;
+    result = result == 0 ? write_image(&to, path, error) : result;
+    lx_nvm_memory_free(&from);
+    lx_nvm_memory_free(&to);
+    encoder->nvm = result == 0 ? dg_plan_copy(plan, path) : encoder->nvm;
+    return encoder->nvm == NULL ? lx_fail(error, "no memory for %s", path) : result;
+}
