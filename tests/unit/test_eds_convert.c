@@ -6,23 +6,15 @@
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include <cmocka.h>
 
-#include "drehgeber/bits.h"
-#include "drehgeber/cia406.h"
-#include "drehgeber/host_wire.h"
+#include "eds_client.h"
 #include "ram_nvm.h"
 
-#define MEMORY 65536u
 #define IMAGE 8192u
-#define HANDLE 32768u
-#define NODE_ID 7u
 #define TOLD_MAX 16u
-#define SAVE 0x65766173u
 
 #define HEAD(type)                                                                                 \
     "[1000]\nDataType=7\nAccessType=ro\nDefaultValue=" type "\n"                                   \
@@ -40,91 +32,33 @@ static const char after[] =
     HEAD("0x20196") VALUE(2000, 7, "HighLimit=10\n") VALUE(2001, 5, "DefaultValue=2\n")
         VALUE(2002, 7, "DefaultValue=6\n") VALUE(2004, 7, "DefaultValue=8\n");
 
-struct encoder {
-    struct dg_cia406_file file;
-    _Alignas(max_align_t) uint8_t memory[MEMORY];
-    _Alignas(DG_HOST_ALIGN) uint8_t handle[HANDLE];
-    struct dg_host *host;
-    uint64_t now;
-};
-
-static struct encoder first, second;
+static struct eds_client first, second;
 static struct {
     uint32_t key;
     enum dg_co_misfit why;
 } told[TOLD_MAX];
 static size_t told_count;
 
-static void read_file(struct encoder *self, const char *text)
+static void read_file(struct eds_client *self, const char *text)
 {
-    const struct dg_eds_setup setup = {
-        .size = sizeof setup,
-        .text = text,
-        .n = strlen(text),
-        .memory = self->memory,
-        .memory_size = sizeof self->memory,
-    };
-    const struct dg_host_wire *wire = dg_host_wire_of(&dg_f3668);
-    struct dg_eds_note error;
-
-    assert_int_equal(dg_cia406_read(&self->file, &setup, &error), DG_OK);
-    assert_true(dg_host_size(&self->file.device, wire) <= HANDLE);
-    self->host = dg_host_init(self->handle, HANDLE, &self->file.device, wire);
-    assert_non_null(self->host);
-    self->now = DG_S(1);
+    assert_int_equal(eds_client_read(self, text, strlen(text)), DG_OK);
+    eds_client_make(self);
 }
 
-static void switch_on(struct encoder *self)
+static void save(struct eds_client *self)
 {
-    char text[8];
-
-    (void)snprintf(text, sizeof text, "%u", NODE_ID);
-    assert_int_equal(dg_host_set(self->host, "node", text), DG_HOST_OK);
-    assert_int_equal(dg_host_power(self->host, self->now, true), DG_HOST_OK);
-}
-
-static uint32_t ask(struct encoder *self, uint8_t command, uint16_t index, uint8_t sub,
-                    uint32_t value)
-{
-    struct dg_host_event event = {.id = 0x600u + NODE_ID, .kind = DG_HOST_CAN, .length = 8};
-
-    event.data[0] = command;
-    dg_store_le16(&event.data[1], index);
-    event.data[3] = sub;
-    dg_store_le32(&event.data[4], value);
-    event.at = self->now;
-    assert_int_equal(dg_host_send(self->host, &event), DG_HOST_OK);
-    self->now += DG_MS(50);
-    (void)dg_host_step(self->host, self->now);
-    while (dg_host_receive(self->host, &event) > 0) {
-        if (event.id == 0x580u + NODE_ID) {
-            assert_int_not_equal(event.data[0], 0x80);
-            return dg_load_le32(&event.data[4]);
-        }
-    }
-    fail_msg("no answer for %04Xh:%u", index, sub);
-    return 0;
-}
-
-static uint32_t upload(struct encoder *self, uint16_t index)
-{
-    return ask(self, 0x40, index, 0, 0);
-}
-
-static void download(struct encoder *self, uint16_t index, uint32_t value, uint8_t n)
-{
-    (void)ask(self, (uint8_t)(0x23u + 4u * (4u - n)), index, 0, value);
+    assert_int_equal(eds_client_download(self, 0x1010, 1, EDS_CLIENT_SAVE, 4), 0);
 }
 
 static void write_values(uint32_t at_2000)
 {
-    switch_on(&first);
-    download(&first, 0x2000, at_2000, 4);
-    download(&first, 0x2001, 9, 1);
-    download(&first, 0x2002, 0x1234, 2);
-    download(&first, 0x2003, 0xFFFE, 2);
-    download(&first, 0x1017, 0x300, 2);
-    download(&first, 0x6003, 77, 4);
+    eds_client_switch_on(&first);
+    assert_int_equal(eds_client_download(&first, 0x2000, 0, at_2000, 4), 0);
+    assert_int_equal(eds_client_download(&first, 0x2001, 0, 9, 1), 0);
+    assert_int_equal(eds_client_download(&first, 0x2002, 0, 0x1234, 2), 0);
+    assert_int_equal(eds_client_download(&first, 0x2003, 0, 0xFFFE, 2), 0);
+    assert_int_equal(eds_client_download(&first, 0x1017, 0, 0x300, 2), 0);
+    assert_int_equal(eds_client_download(&first, 0x6003, 0, 77, 4), 0);
 }
 
 static void keep_misfit(void *ctx, uint32_t key, enum dg_co_misfit why)
@@ -167,7 +101,7 @@ static void an_image_tells_what_does_not_fit(void **state)
     read_file(&first, before);
     read_file(&second, after);
     write_values(11);
-    (void)ask(&first, 0x23, 0x1010, 1, SAVE);
+    save(&first);
     assert_int_equal(convert((struct dg_nvm){NULL, NULL}), DG_OK);
     assert_told(DG_CO_KEY(0x2000, 0), DG_CO_OUTSIDE);
     assert_told(DG_CO_KEY(0x2002, 0), DG_CO_RETYPED);
@@ -189,7 +123,7 @@ static void what_fits_is_copied(void **state)
         read_file(&first, before);
         read_file(&second, after);
         write_values(at_2000);
-        (void)ask(&first, 0x23, 0x1010, 1, SAVE);
+        save(&first);
         const size_t size = dg_host_memory_size(second.host);
         ram_nvm_init(&memory, IMAGE);
         assert_int_equal(dg_co_format(&second.file.file.device, ram_nvm_port(&memory), 1), DG_OK);
@@ -197,12 +131,12 @@ static void what_fits_is_copied(void **state)
         memcpy(bytes, memory.bytes, size);
         assert_int_equal(dg_host_memory_load(second.host, bytes, size), DG_HOST_OK);
         assert_int_equal(dg_host_power(second.host, second.now, true), DG_HOST_OK);
-        assert_int_equal(upload(&second, 0x2000), at_2000 > 10 ? 0 : at_2000);
-        assert_int_equal(upload(&second, 0x2001), 9);
-        assert_int_equal(upload(&second, 0x2002), 6);
-        assert_int_equal(upload(&second, 0x2004), 8);
-        assert_int_equal(upload(&second, 0x1017), 0x300);
-        assert_int_equal(upload(&second, 0x6003), 77);
+        assert_int_equal(eds_client_upload(&second, 0x2000, 0), at_2000 > 10 ? 0 : at_2000);
+        assert_int_equal(eds_client_upload(&second, 0x2001, 0) & 0xFFu, 9);
+        assert_int_equal(eds_client_upload(&second, 0x2002, 0), 6);
+        assert_int_equal(eds_client_upload(&second, 0x2004, 0), 8);
+        assert_int_equal(eds_client_upload(&second, 0x1017, 0) & 0xFFFFu, 0x300);
+        assert_int_equal(eds_client_upload(&second, 0x6003, 0), 77);
     }
 }
 
@@ -227,7 +161,7 @@ static void damaged_images_do_no_harm(void **state)
     read_file(&first, before);
     read_file(&second, after);
     write_values(5);
-    (void)ask(&first, 0x23, 0x1010, 1, SAVE);
+    save(&first);
     const size_t size = dg_host_memory_size(first.host);
     for (unsigned i = 0; i < 2000; i++) {
         ram_nvm_init(&image, IMAGE);
