@@ -102,6 +102,7 @@ struct dg_co_cell {
 struct dg_co_file {
     struct dg_co_device device; /**< first: a hook finds the file by the device */
     const struct dg_co_device *base;
+    uint16_t profile; /**< low 16 bits of 1000h for which the base's profile counts */
     struct dg_store_layout layout;
     const struct dg_co_cell *cells; /**< sorted by their keys */
     uint16_t cell_count;
@@ -168,6 +169,10 @@ enum dg_co_misfit {
  */
 DG_API int dg_co_convert(const struct dg_co_file *self, struct dg_nvm from, struct dg_nvm to,
                          void (*tell)(void *ctx, uint32_t key, enum dg_co_misfit why), void *ctx);
+
+/** The value of an object that stores, is constant, or is not there, which is 0; of a node with such
+ * a device. */
+DG_API uint32_t dg_co_value_of(const struct dg_co_node *node, uint32_t key);
 
 /** The values of the cells of a node with such a device: as many as its file has cells. */
 DG_API uint32_t *dg_co_cells(const struct dg_co_node *node);

@@ -23,6 +23,17 @@ uint32_t *dg_co_cells(const struct dg_co_node *node)
     return (uint32_t *)(void *)(application + file_of(node)->cells_at);
 }
 
+uint32_t dg_co_value_of(const struct dg_co_node *node, uint32_t key)
+{
+    struct dg_co_object object;
+
+    if (dg_co_find(node->setup.device, key, &object) != DG_CO_OK) {
+        return 0;
+    }
+    const uint32_t initial = object.row->initial;
+    return co_hook(&object) == dg_co_hook_cell ? dg_co_cells(node)[initial] : initial;
+}
+
 /* The default of its row is the number of its cell. */
 enum dg_co_abort dg_co_hook_cell(struct dg_co_node *node, const struct dg_co_object *object,
                                  enum dg_co_op op, uint32_t *value)

@@ -309,6 +309,7 @@ static void begin_device(struct eds_maker *self)
     *self->to = (struct dg_co_file){
         .device = *base,
         .base = base,
+        .profile = self->ground->profile,
         .node_id = info->node_id,
         .serial = default_of(&self->in, DG_CO_KEY(0x1018, 4)),
         .cells_at = self->ground->cells_at,
@@ -434,7 +435,12 @@ enum dg_co_role dg_co_role_of(const struct dg_co_file *self, uint16_t n)
     dg_co_hook *const hook = self->device.dictionary.hooks[object.row->hook];
 
     if (hook == dg_co_hook_cell) {
-        return DG_CO_STORES;
+        struct dg_co_object base;
+        const bool own = (self->device.device_type & 0xFFFFu) == self->profile;
+        return own && dg_co_find(self->base, object.row->key & 0xFFFFFF00u, &base) == DG_CO_OK &&
+                       co_is(&base, DG_CO_W) && !co_is(&base, DG_CO_SLOT)
+                   ? DG_CO_SIMULATED
+                   : DG_CO_STORES;
     }
     return hook == dg_co_hook_follows || co_is(&object, DG_CO_CONST) ? DG_CO_CONSTANT
                                                                      : DG_CO_SIMULATED;

@@ -306,6 +306,12 @@ static bool is_alike(const struct dg_co_object *base, const struct dg_co_object 
            (co_size(base) == 4u && co_size(object) == 4u);
 }
 
+/* A value that the base counts on without having room for it: the file's own. */
+static bool is_lent(const struct dg_co_object *base)
+{
+    return co_is(base, DG_CO_W) && !co_is(base, DG_CO_SLOT) && co_hook(base) == NULL;
+}
+
 /* @return false: nothing can be made of it */
 static bool make_row(struct eds_maker *self, struct eds_entry *entry, struct dg_co_row *row)
 {
@@ -330,7 +336,11 @@ static bool make_row(struct eds_maker *self, struct eds_entry *entry, struct dg_
     row->flags = (uint16_t)((uint32_t)type << 12);
     const bool known = find_base(self, entry, &base);
     const struct dg_co_object object = object_of(row);
-    if (known && is_alike(&base, &object)) {
+    if (known && is_lent(&base)) {
+        make_plain(self, entry, row);
+        self->to->plain--;
+        self->to->bound++;
+    } else if (known && is_alike(&base, &object)) {
         bind_row(self, entry, &base, row);
     } else {
         note_plain(self, entry, known);

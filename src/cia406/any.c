@@ -55,7 +55,7 @@ static uint64_t in_sequence(const struct dg_co_node *node)
 }
 
 /* 6002h, if it is in force; 0 is the physical range. */
-static uint64_t scaled_range(const struct dg_co_node *node)
+uint64_t dg_cia406_any_range(const struct dg_co_node *node)
 {
     const uint32_t range = node->value[SLOT_TMR];
 
@@ -71,14 +71,14 @@ static uint64_t scaled(const struct dg_co_node *node)
     const uint64_t raw = in_sequence(node);
 
     return (counts ? raw / steps * wanted + raw % steps * wanted / steps : raw) %
-           scaled_range(node);
+           dg_cia406_any_range(node);
 }
 
 static void sample(struct dg_co_node *node)
 {
     encoder_of(node)->raw = raw_at(node);
     node->value[SLOT_POSITION] =
-        (uint32_t)((scaled(node) + node->value[SLOT_OFFSET]) % scaled_range(node));
+        (uint32_t)((scaled(node) + node->value[SLOT_OFFSET]) % dg_cia406_any_range(node));
 }
 
 static void use_parameters(struct dg_co_node *node)
@@ -87,7 +87,7 @@ static void use_parameters(struct dg_co_node *node)
 
     node->value[SLOT_PARAMETERS] = node->value[SLOT_WRITTEN] & COUNTED;
     node->value[SLOT_SPEED_WINDOW_MS] = window_ms != 0 ? window_ms : 1u;
-    node->value[SLOT_OFFSET] = (uint32_t)(node->value[SLOT_OFFSET] % scaled_range(node));
+    node->value[SLOT_OFFSET] = (uint32_t)(node->value[SLOT_OFFSET] % dg_cia406_any_range(node));
 }
 
 /* 6000h, 6001h, 6002h */
@@ -106,7 +106,7 @@ static enum dg_co_abort hook_scaling(struct dg_co_node *node, const struct dg_co
 static enum dg_co_abort hook_preset(struct dg_co_node *node, const struct dg_co_object *object,
                                     enum dg_co_op op, uint32_t *value)
 {
-    const uint64_t range = scaled_range(node);
+    const uint64_t range = dg_cia406_any_range(node);
 
     (void)object;
     if (op != DG_CO_WRITE) {
@@ -124,7 +124,7 @@ static enum dg_co_abort hook_preset(struct dg_co_node *node, const struct dg_co_
 static enum dg_co_abort hook_offset(struct dg_co_node *node, const struct dg_co_object *object,
                                     enum dg_co_op op, uint32_t *value)
 {
-    const uint64_t range = scaled_range(node);
+    const uint64_t range = dg_cia406_any_range(node);
     const uint32_t preset = node->value[SLOT_PRESET];
 
     (void)object;
@@ -194,6 +194,7 @@ static DG_CO_TELL(hook_status, node->value[SLOT_WRITTEN]) static DG_CO_TELL(hook
     static bool reset(struct dg_co_node *node, bool application)
 {
     use_parameters(node);
+    node->value[SLOT_CAMS] = 0;
     (void)dg_cia406_multiturn.reset(node, application);
     sample(node);
     return false;
@@ -210,6 +211,7 @@ static DG_CO_TELL(hook_status, node->value[SLOT_WRITTEN]) static DG_CO_TELL(hook
     HOOK(dg_cia406_hook_acceleration)                                                              \
     HOOK(hook_timer)                                                                               \
     HOOK(dg_cia406_hook_areas)                                                                     \
+    HOOK(dg_cia406_hook_cams)                                                                      \
     HOOK(hook_status)                                                                              \
     HOOK(dg_cia406_hook_health)                                                                    \
     HOOK(dg_cia406_hook_time)                                                                      \
@@ -224,6 +226,12 @@ enum { NUMBER_NULL, HOOKS(NUMBER) };
 enum { DG_CO_SHORT_FLAGS };
 #define OBJECT(index, sub, more, type, access, slot, initial, hook)                                \
     DG_CO_ROW(index, sub, more, DG_CO_##type, access, slot, initial, 0, NUMBER_##hook)
+
+/* What is set of cams is a cell of the file, in a channel each. */
+#define CAMS(index, type) OBJECT(index, 1, CAM_CHANNELS - 1u, type, R | W, 0, 0, NULL)
+#define EIGHT_CAMS(index, type)                                                                    \
+    CAMS(index, type), CAMS(index + 1, type), CAMS(index + 2, type), CAMS(index + 3, type),        \
+        CAMS(index + 4, type), CAMS(index + 5, type), CAMS(index + 6, type), CAMS(index + 7, type)
 
 /* Rows that nobody may read or write are for values that something counts on. */
 /* clang-format off */
@@ -242,6 +250,12 @@ static const struct dg_co_row rows[] = {
     OBJECT(0x6031, 4, 0, U16, R|W|S|V,   SLOT_SPEED_DIVISOR, 1, NULL),
     OBJECT(0x6040, 1, 0, I16, R,         0, 0, dg_cia406_hook_acceleration),
     OBJECT(0x6200, 0, 0, U16, R|W,       0, 0, hook_timer),
+    OBJECT(0x6300, 1, CAM_CHANNELS - 1u, U8, R, 0, 0, dg_cia406_hook_cams),
+    CAMS(0x6301, U8),
+    CAMS(0x6302, U8),
+    EIGHT_CAMS(0x6310, U32),
+    EIGHT_CAMS(0x6320, U32),
+    EIGHT_CAMS(0x6330, U16),
     OBJECT(0x6400, 1, 0, U8,  R,         0, 0, dg_cia406_hook_areas),
     OBJECT(0x6401, 1, 1, U32, R|W|S|V,   SLOT_LOW, 0, NULL),
     OBJECT(0x6402, 1, 1, U32, R|W|S|V,   SLOT_HIGH, 0xFFFFFFFF, NULL),

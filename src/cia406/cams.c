@@ -1,0 +1,55 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Cams of encoders from EDS files, 6300h to 6337h: eight in a channel, a channel in each sub-index.
+ * What is set of them are cells of the file; here is what they do:
+ *
+ *   position:       low          high
+ *   inside      ------|############|------
+ *   and on   --|--h-->|############|<--h--|--   as long as it was inside before
+ *
+ * 6300h has a bit for each that is enabled and inside, and that turned round where 6302h says so,
+ * of those that are not enabled as well (Turck, BL20 CANopen, 4-195).
+ */
+#include "any.h"
+#include "drehgeber/eds.h"
+
+#define CAMS 8u
+#define ENABLE 0x6301u
+#define POLARITY 0x6302u
+#define LOW 0x6310u
+#define HIGH 0x6320u
+#define HYSTERESIS 0x6330u
+
+/* 6310h may lie behind 6320h: the cam goes over the zero of the range. */
+static bool is_inside(const struct dg_co_node *node, uint8_t channel, uint32_t cam, bool before)
+{
+    const uint64_t range = dg_cia406_any_range(node);
+    const uint64_t low = dg_co_value_of(node, DG_CO_KEY(LOW + cam, channel)) % range;
+    const uint64_t high = dg_co_value_of(node, DG_CO_KEY(HIGH + cam, channel)) % range;
+    const uint64_t wanted = dg_co_value_of(node, DG_CO_KEY(HYSTERESIS + cam, channel));
+    const uint64_t width = (high + range - low) % range;
+    const uint64_t more = !before ? 0 : wanted < range / 2u ? wanted : range / 2u;
+
+    return (node->value[SLOT_POSITION] + more + range - low) % range <= width + 2u * more;
+}
+
+/* 6300h: hysteresis is about what was told last. */
+enum dg_co_abort dg_cia406_hook_cams(struct dg_co_node *node, const struct dg_co_object *object,
+                                     enum dg_co_op op, uint32_t *value)
+{
+    const uint8_t channel = object->sub;
+    const uint32_t shift = CAMS * (channel - 1u);
+    const uint32_t enabled = dg_co_value_of(node, DG_CO_KEY(ENABLE, channel));
+    const uint32_t before = node->value[SLOT_CAMS] >> shift;
+    uint32_t inside = 0;
+
+    (void)op;
+    for (uint32_t cam = 0; cam < CAMS; cam++) {
+        const bool on =
+            (enabled >> cam & 1u) != 0 && is_inside(node, channel, cam, (before >> cam & 1u) != 0);
+        inside |= on ? 1u << cam : 0u;
+    }
+    node->value[SLOT_CAMS] = (node->value[SLOT_CAMS] & ~(0xFFu << shift)) | inside << shift;
+    *value = (inside ^ dg_co_value_of(node, DG_CO_KEY(POLARITY, channel))) & 0xFFu;
+    return DG_CO_OK;
+}
