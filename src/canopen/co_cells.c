@@ -23,6 +23,13 @@ uint32_t *dg_co_cells(const struct dg_co_node *node)
     return (uint32_t *)(void *)(application + file_of(node)->cells_at);
 }
 
+enum dg_co_type dg_co_type_at(const struct dg_co_device *device, uint32_t key)
+{
+    struct dg_co_object object;
+
+    return dg_co_find(device, key, &object) == DG_CO_OK ? co_type(&object) : DG_CO_TYPE_COUNT;
+}
+
 uint32_t dg_co_value_of(const struct dg_co_node *node, uint32_t key)
 {
     struct dg_co_object object;

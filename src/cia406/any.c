@@ -210,7 +210,7 @@ static DG_CO_TELL(hook_status, node->value[SLOT_WRITTEN]) static DG_CO_TELL(hook
     HOOK(hook_window)                                                                              \
     HOOK(dg_cia406_hook_acceleration)                                                              \
     HOOK(hook_timer)                                                                               \
-    HOOK(dg_cia406_hook_areas)                                                                     \
+    HOOK(dg_cia406_hook_channel)                                                                   \
     HOOK(dg_cia406_hook_cams)                                                                      \
     HOOK(hook_status)                                                                              \
     HOOK(dg_cia406_hook_health)                                                                    \
@@ -227,11 +227,12 @@ enum { DG_CO_SHORT_FLAGS };
 #define OBJECT(index, sub, more, type, access, slot, initial, hook)                                \
     DG_CO_ROW(index, sub, more, DG_CO_##type, access, slot, initial, 0, NUMBER_##hook)
 
-/* What is set of cams is a cell of the file, in a channel each. */
-#define CAMS(index, type) OBJECT(index, 1, CAM_CHANNELS - 1u, type, R | W, 0, 0, NULL)
+/* What is set of cams and work areas is a cell of the file, in a channel each. */
+#define CHANNEL(index, type) OBJECT(index, 1, CHANNELS - 1u, type, R | W, 0, 0, NULL)
 #define EIGHT_CAMS(index, type)                                                                    \
-    CAMS(index, type), CAMS(index + 1, type), CAMS(index + 2, type), CAMS(index + 3, type),        \
-        CAMS(index + 4, type), CAMS(index + 5, type), CAMS(index + 6, type), CAMS(index + 7, type)
+    CHANNEL(index, type), CHANNEL(index + 1, type), CHANNEL(index + 2, type),                      \
+        CHANNEL(index + 3, type), CHANNEL(index + 4, type), CHANNEL(index + 5, type),              \
+        CHANNEL(index + 6, type), CHANNEL(index + 7, type)
 
 /* Rows that nobody may read or write are for values that something counts on. */
 /* clang-format off */
@@ -250,15 +251,15 @@ static const struct dg_co_row rows[] = {
     OBJECT(0x6031, 4, 0, U16, R|W|S|V,   SLOT_SPEED_DIVISOR, 1, NULL),
     OBJECT(0x6040, 1, 0, I16, R,         0, 0, dg_cia406_hook_acceleration),
     OBJECT(0x6200, 0, 0, U16, R|W,       0, 0, hook_timer),
-    OBJECT(0x6300, 1, CAM_CHANNELS - 1u, U8, R, 0, 0, dg_cia406_hook_cams),
-    CAMS(0x6301, U8),
-    CAMS(0x6302, U8),
+    OBJECT(0x6300, 1, CHANNELS - 1u, U8, R, 0, 0, dg_cia406_hook_cams),
+    CHANNEL(0x6301, U8),
+    CHANNEL(0x6302, U8),
     EIGHT_CAMS(0x6310, U32),
     EIGHT_CAMS(0x6320, U32),
     EIGHT_CAMS(0x6330, U16),
-    OBJECT(0x6400, 1, 0, U8,  R,         0, 0, dg_cia406_hook_areas),
-    OBJECT(0x6401, 1, 1, U32, R|W|S|V,   SLOT_LOW, 0, NULL),
-    OBJECT(0x6402, 1, 1, U32, R|W|S|V,   SLOT_HIGH, 0xFFFFFFFF, NULL),
+    OBJECT(0x6400, 1, CHANNELS - 1u, U8, R, 0, 0, dg_cia406_hook_channel),
+    CHANNEL(0x6401, U32),
+    CHANNEL(0x6402, U32),
     OBJECT(0x6500, 0, 0, U16, R,         0, 0, hook_status),
     OBJECT(0x6503, 0, 0, U16, R,         0, 0, dg_cia406_hook_health),
     OBJECT(0x6505, 0, 0, U16, R,         0, 0, dg_cia406_hook_health),
@@ -267,7 +268,7 @@ static const struct dg_co_row rows[] = {
     OBJECT(0x650B, 0, 0, U32, R,         0, 0, hook_serial),
 };
 /* clang-format on */
-#define PROFILE_SIZE 44u
+#define PROFILE_SIZE 28u
 
 static void default_bus(const void *ctx, uint8_t *out)
 {

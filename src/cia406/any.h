@@ -12,11 +12,11 @@
  * here, and nothing of a manufacturer. Its node's device is a struct dg_cia406_file. */
 extern const struct dg_co_device dg_cia406_any;
 
-/** Bits of 6300h that were set at the last look, a byte for each channel (cams.c). */
+/** Bits of 6300h that were set at the last look, a byte for each channel (ranges.c). */
 #define SLOT_CAMS (SLOT_CUSTOMER + 2)
-/** Channels that there are. */
-#define CAM_CHANNELS 4u
-dg_co_hook dg_cia406_hook_cams;
+/** Channels of cams and work areas. */
+#define CHANNELS 4u
+dg_co_hook dg_cia406_hook_cams, dg_cia406_hook_channel;
 
 /** Positions that 6004h can have: 1..2^32. */
 uint64_t dg_cia406_any_range(const struct dg_co_node *node);

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Cams of encoders from EDS files, 6300h to 6337h: eight in a channel, a channel in each sub-index.
- * What is set of them are cells of the file; here is what they do:
+ * Ranges of the position of encoders from EDS files, with a channel in each sub-index: work areas,
+ * 6400h to 6402h, and eight cams each, 6300h to 6337h. What is set of them are cells of the file;
+ * here is what they do. Cams:
  *
  *   position:       low          high
  *   inside      ------|############|------
@@ -51,5 +52,36 @@ enum dg_co_abort dg_cia406_hook_cams(struct dg_co_node *node, const struct dg_co
     }
     node->value[SLOT_CAMS] = (node->value[SLOT_CAMS] & ~(0xFFu << shift)) | inside << shift;
     *value = (inside ^ dg_co_value_of(node, DG_CO_KEY(POLARITY, channel))) & 0xFFu;
+    return DG_CO_OK;
+}
+
+/* Bits of 6400h. */
+#define OUTSIDE 1u
+#define ABOVE 2u
+#define BELOW 4u
+
+/* Whether the position is less than an object; signed where that is. */
+static bool is_less(const struct dg_co_node *node, uint32_t key)
+{
+    const uint32_t limit = dg_co_value_of(node, key);
+    const uint32_t at = node->value[SLOT_POSITION];
+
+    return dg_co_type_at(node->setup.device, key) == DG_CO_I32 ? (int32_t)at < (int32_t)limit
+                                                               : at < limit;
+}
+
+/* 6400h: a limit that is not in the file is none. */
+enum dg_co_abort dg_cia406_hook_channel(struct dg_co_node *node, const struct dg_co_object *object,
+                                        enum dg_co_op op, uint32_t *value)
+{
+    const struct dg_co_device *device = node->setup.device;
+    const uint32_t low = DG_CO_KEY(0x6401, object->sub);
+    const uint32_t high = DG_CO_KEY(0x6402, object->sub);
+    const bool below = dg_co_type_at(device, low) != DG_CO_TYPE_COUNT && is_less(node, low);
+    const bool above = dg_co_type_at(device, high) != DG_CO_TYPE_COUNT && !is_less(node, high) &&
+                       node->value[SLOT_POSITION] != dg_co_value_of(node, high);
+
+    (void)op;
+    *value = (below || above ? OUTSIDE : 0u) | (above ? ABOVE : 0u) | (below ? BELOW : 0u);
     return DG_CO_OK;
 }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Cams of an encoder from its EDS file: 6300h to 6337h, two channels, 3600 steps and 10 turns.
+ * Cams and work areas of an encoder from its EDS file: 6300h to 6337h, 6400h to 6402h, by channels;
+ * 3600 steps and 10 turns.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -163,6 +164,44 @@ static void what_cams_are(void **state)
     }
 }
 
+/* By channel; signed where the file says so. */
+static void work_areas(void **state)
+{
+    static const char text[] = "[1000]\nDataType=7\nAccessType=ro\nDefaultValue=0x00020196\n"
+                               "[6004]\nDataType=7\nAccessType=ro\n"
+                               "[6400sub1]\nDataType=5\nAccessType=ro\nPDOMapping=1\n"
+                               "[6400sub2]\nDataType=5\nAccessType=ro\nPDOMapping=1\n"
+                               "[6400sub3]\nDataType=5\nAccessType=ro\nPDOMapping=1\n"
+                               "[6401sub1]\nDataType=7\nAccessType=rw\nDefaultValue=100\n"
+                               "[6402sub1]\nDataType=7\nAccessType=rw\nDefaultValue=200\n"
+                               "[6401sub2]\nDataType=4\nAccessType=rw\nDefaultValue=-5\n"
+                               "[6402sub2]\nDataType=4\nAccessType=rw\nDefaultValue=150\n"
+                               "[6402sub3]\nDataType=7\nAccessType=rw\nDefaultValue=120\n"
+                               "[6501]\nDataType=7\nAccessType=ro\nDefaultValue=3600\n"
+                               "[6502]\nDataType=6\nAccessType=ro\nDefaultValue=10\n";
+    static const struct {
+        int64_t step;
+        uint8_t bits[3];
+    } rows[] = {
+        {0, {5, 0, 0}},   {99, {5, 0, 0}},  {100, {0, 0, 0}}, {120, {0, 0, 0}},
+        {121, {0, 0, 3}}, {151, {0, 3, 3}}, {200, {0, 3, 3}}, {201, {3, 3, 3}},
+    };
+    (void)state;
+    assert_int_equal(eds_rig_read(&rig, text, strlen(text)), DG_OK);
+    assert_int_equal(rig.notes, 0);
+    eds_rig_make(&rig);
+    eds_rig_switch_on(&rig);
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+        dg_host_shaft(rig.host, rig.now, ((2 * rows[i].step + 1) << 31) / (int64_t)STEPS, 0);
+        for (uint8_t channel = 1; channel <= 3; channel++) {
+            assert_int_equal(eds_rig_upload(&rig, 0x6400, channel) & 0xFFu,
+                             rows[i].bits[channel - 1]);
+        }
+    }
+    assert_int_equal(eds_rig_download(&rig, 0x6402, 1, 300, 4), 0);
+    assert_int_equal(eds_rig_upload(&rig, 0x6400, 1) & 0xFFu, 0);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -172,6 +211,7 @@ int main(void)
         cmocka_unit_test(hysteresis),
         cmocka_unit_test(cams_are_saved),
         cmocka_unit_test(what_cams_are),
+        cmocka_unit_test(work_areas),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
