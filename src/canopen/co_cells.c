@@ -91,15 +91,20 @@ uint32_t dg_co_file_word(const struct dg_co_file *self, uint32_t n)
 void dg_co_write_words(const struct dg_co_file *self, struct dg_store *store)
 {
     const uint8_t region = self->base->layout->region_count;
-    const uint32_t count = EDS_WORD_CELLS + self->kept;
+    const uint32_t count = self->kept == 0 ? 0 : EDS_WORD_CELLS + self->kept;
 
-    for (uint32_t n = 0; n < count && self->kept > 0; n++) {
-        uint8_t right[4];
-        uint8_t found[4] = {0};
-        dg_store_le32(right, dg_co_file_word(self, n));
-        if (dg_store_read(store, region, (uint16_t)(4u * n), found, 4) == DG_OK &&
-            memcmp(right, found, 4) != 0) {
-            (void)dg_store_put(store, region, (uint16_t)(4u * n), right, 4);
+    for (uint32_t first = 0; first < count; first += EDS_CELLS_A_REGION) {
+        const uint32_t left = count - first;
+        const uint32_t words = left < EDS_CELLS_A_REGION ? left : EDS_CELLS_A_REGION;
+        const uint16_t at = (uint16_t)(4u * first);
+        const uint16_t n = (uint16_t)(4u * words);
+        uint8_t right[DG_STORE_CHECKED_MAX];
+        uint8_t found[DG_STORE_CHECKED_MAX];
+        for (uint32_t i = 0; i < words; i++) {
+            dg_store_le32(&right[4u * i], dg_co_file_word(self, first + i));
+        }
+        if (dg_store_read(store, region, at, found, n) == DG_OK && memcmp(right, found, n) != 0) {
+            (void)dg_store_put(store, region, at, right, n);
         }
     }
 }

@@ -10,7 +10,6 @@
 #include "co_file.h"
 
 #define HEADER_SIZE 12u
-#define SUM_SIZE 2u
 
 /* An image, with a layout as its file had it. */
 struct image {
@@ -159,7 +158,7 @@ static bool read_cell(struct converting *self, uint32_t n, uint32_t *value)
     return true;
 }
 
-static void tell(struct converting *self, uint32_t key, enum dg_co_misfit why)
+static void tell_misfit(struct converting *self, uint32_t key, enum dg_co_misfit why)
 {
     if (self->tell != NULL) {
         self->tell(self->ctx, key, why);
@@ -175,11 +174,11 @@ static uint32_t convert_cell(struct converting *self, uint32_t n)
     uint32_t value = initial;
 
     if (at == self->from.kept) {
-        tell(self, cell->key, DG_CO_NEW);
+        tell_misfit(self, cell->key, DG_CO_NEW);
     } else if ((word_of(self, at) & 0xFFu) != cell->type) {
-        tell(self, cell->key, DG_CO_RETYPED);
+        tell_misfit(self, cell->key, DG_CO_RETYPED);
     } else if (self->from.saved && read_cell(self, at, &value) && !eds_is_inside(cell, value)) {
-        tell(self, cell->key, DG_CO_OUTSIDE);
+        tell_misfit(self, cell->key, DG_CO_OUTSIDE);
         value = initial;
     }
     return value;
@@ -206,13 +205,13 @@ static void compare_rest(struct converting *self)
 
     for (uint32_t n = EDS_WORD_TYPE; n <= EDS_WORD_REVISION; n++) {
         if (self->from.head[n] != dg_co_file_word(self->file, n)) {
-            tell(self, keys[n], DG_CO_FOREIGN);
+            tell_misfit(self, keys[n], DG_CO_FOREIGN);
         }
     }
     for (uint32_t n = 0; n < self->from.kept; n++) {
         const uint32_t key = word_of(self, n) & 0xFFFFFF00u;
         if (!has_cell(self->file, key)) {
-            tell(self, key, DG_CO_GONE);
+            tell_misfit(self, key, DG_CO_GONE);
         }
     }
 }
@@ -258,9 +257,9 @@ static int convert_cells(struct converting *self, bool copied)
 }
 
 int dg_co_convert(const struct dg_co_file *self, struct dg_nvm from, struct dg_nvm to,
-                  void (*tell_misfit)(void *ctx, uint32_t key, enum dg_co_misfit why), void *ctx)
+                  void (*tell)(void *ctx, uint32_t key, enum dg_co_misfit why), void *ctx)
 {
-    struct converting all = {.file = self, .tell = tell_misfit, .ctx = ctx};
+    struct converting all = {.file = self, .tell = tell, .ctx = ctx};
     int result = open_image(&all, from);
 
     if (result != DG_OK) {

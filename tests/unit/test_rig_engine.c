@@ -63,6 +63,19 @@ static void note_waking(void *ctx)
     self->woken++;
 }
 
+/* Any file is an encoder of 3600 steps. */
+static const char *fetch(void *ctx, const char *path, struct dg_plan_text *to)
+{
+    static const char text[] = "[1000]\nDataType=7\nAccessType=ro\nDefaultValue=0x10196\n"
+                               "[6004]\nDataType=7\nAccessType=ro\n"
+                               "[6501]\nDataType=7\nAccessType=ro\nDefaultValue=3600\n";
+
+    (void)ctx;
+    (void)path;
+    *to = (struct dg_plan_text){text, sizeof text - 1u};
+    return NULL;
+}
+
 static void read_plan(const char *text)
 {
     const struct dg_plan_setup setup = {
@@ -71,6 +84,7 @@ static void read_plan(const char *text)
         .text = {text, strlen(text)},
         .memory = bench.plan_memory,
         .memory_size = sizeof bench.plan_memory,
+        .include = fetch,
     };
 
     if (dg_plan_read(&bench.plan, &setup, &bench.error) != DG_OK) {
@@ -611,9 +625,35 @@ static void a_node_is_small(void **state)
     assert_true((dg_engine_size(&bench.setup) - ten) / 100u <= 6u * 1024u);
 }
 
+/* Its model is made of a file, in the memory of the plan. */
+static void an_encoder_of_an_eds_file(void **state)
+{
+    (void)state;
+    switch_on("[shaft s]\nmotion = 90DEG\n[bus b]\nwire = slcan\n"
+              "[encoder a]\nmodel = vendor.eds\nbus = b\nnode = 1..2\n");
+    for (uint16_t node = 1; node <= 2; node++) {
+        const struct dg_tap_event request = {
+            .at = DG_S(2),
+            .kind = DG_TAP_FRAME,
+            .frame = {.id = (uint16_t)(0x600u + node), .dlc = 8, .data = {0x40, 0x04, 0x60}},
+        };
+        bench.heard_count = 0;
+        (void)dg_bus_rx(dg_engine_bus(bench.engine, 0), &request);
+        (void)dg_engine_step(bench.engine, DG_S(2) + DG_MS(1));
+        const struct dg_tap_event *answer = NULL;
+        for (size_t i = 0; i < bench.heard_count; i++) {
+            const bool own = bench.heard[i].frame.id == 0x580u + node;
+            answer = own ? &bench.heard[i] : answer;
+        }
+        assert_non_null(answer);
+        assert_int_equal(answer->frame.data[4] | answer->frame.data[5] << 8, 900);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(an_encoder_of_an_eds_file),
         cmocka_unit_test(memory_is_as_much_as_it_says),
         cmocka_unit_test(parts_are_those_of_the_plan),
         cmocka_unit_test(settings_addresses_and_numbers),
