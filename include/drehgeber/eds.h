@@ -173,8 +173,8 @@ DG_API int dg_co_convert(const struct dg_co_file *self, struct dg_nvm from, stru
 /** The type of an object; DG_CO_TYPE_COUNT: it is not there. */
 DG_API enum dg_co_type dg_co_type_at(const struct dg_co_device *device, uint32_t key);
 
-/** The value of an object that stores, is constant, or is not there, which is 0; of a node with such
- * a device. */
+/** The value of an object that stores, is constant, or is not there, which is 0; of a node with
+ * such a device. */
 DG_API uint32_t dg_co_value_of(const struct dg_co_node *node, uint32_t key);
 
 /** The values of the cells of a node with such a device: as many as its file has cells. */

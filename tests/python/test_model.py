@@ -43,7 +43,7 @@ def vendor(tmp_path, monkeypatch):
 
 def test_one_line(vendor):
     encoder = Encoder("vendor.eds", shaft="90DEG")
-    assert (encoder.model, encoder.protocol, encoder.position) == ("acme-3600", "canopen", 900)
+    assert (encoder.model, encoder.medium.name, encoder.position) == ("acme-3600", "FRAMES", 900)
 
 
 @pytest.mark.parametrize("name", [str, Path, lambda path: path.name, lambda path: f"../{path.parent.name}/{path.name}"])

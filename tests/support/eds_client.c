@@ -16,6 +16,9 @@ static void count_note(void *ctx, const struct dg_eds_note *note)
     struct eds_client *self = ctx;
 
     assert_non_null(note->what);
+    if (self->notes < EDS_CLIENT_NOTES) {
+        self->kept[self->notes] = *note;
+    }
     self->notes++;
     self->lacks += note->lacks ? 1u : 0u;
 }
@@ -35,6 +38,17 @@ int eds_client_read(struct eds_client *self, const char *text, size_t n)
     self->notes = 0;
     self->lacks = 0;
     return dg_cia406_read(&self->file, &setup, &self->error);
+}
+
+bool eds_client_noted(const struct eds_client *self, const char *section, const char *what)
+{
+    for (unsigned i = 0; i < self->notes && i < EDS_CLIENT_NOTES; i++) {
+        const struct dg_eds_note *note = &self->kept[i];
+        if (strcmp(note->section, section) == 0 && strstr(note->what, what) != NULL) {
+            return true;
+        }
+    }
+    return false;
 }
 
 void eds_client_make(struct eds_client *self)
@@ -57,8 +71,8 @@ void eds_client_switch_on(struct eds_client *self)
     (void)dg_host_step(self->host, self->now);
 }
 
-struct dg_host_event eds_client_ask(struct eds_client *self, uint8_t command, uint16_t index, uint8_t sub,
-                                 uint32_t value)
+struct dg_host_event eds_client_ask(struct eds_client *self, uint8_t command, uint16_t index,
+                                    uint8_t sub, uint32_t value)
 {
     struct dg_host_event event;
 
@@ -92,7 +106,7 @@ uint32_t eds_client_upload(struct eds_client *self, uint16_t index, uint8_t sub)
 }
 
 uint32_t eds_client_download(struct eds_client *self, uint16_t index, uint8_t sub, uint32_t value,
-                          uint8_t n)
+                             uint8_t n)
 {
     const struct dg_host_event answer =
         eds_client_ask(self, (uint8_t)(0x23u + 4u * (4u - n)), index, sub, value);

@@ -16,6 +16,7 @@
 #include "eds_client.h"
 
 #define STEPS 3600u
+#define HALF_TURN (INT64_C(1) << 31)
 #define TEXT_MAX 16384u
 
 static struct eds_client rig;
@@ -56,7 +57,8 @@ static void set_cam(uint8_t channel, uint16_t cam, uint32_t low, uint32_t high, 
 {
     assert_int_equal(eds_client_download(&rig, (uint16_t)(0x6310 + cam), channel, low, 4), 0);
     assert_int_equal(eds_client_download(&rig, (uint16_t)(0x6320 + cam), channel, high, 4), 0);
-    assert_int_equal(eds_client_download(&rig, (uint16_t)(0x6330 + cam), channel, hysteresis, 2), 0);
+    assert_int_equal(eds_client_download(&rig, (uint16_t)(0x6330 + cam), channel, hysteresis, 2),
+                     0);
 }
 
 static void set_bits(uint16_t index, uint8_t channel, uint8_t bits)
@@ -67,7 +69,7 @@ static void set_bits(uint16_t index, uint8_t channel, uint8_t bits)
 /* 6300h with the shaft in the middle of this step. */
 static uint8_t cams_at(uint8_t channel, int64_t step)
 {
-    dg_host_shaft(rig.host, rig.now, ((2 * step + 1) << 31) / (int64_t)STEPS, 0);
+    dg_host_shaft(rig.host, rig.now, (2 * step + 1) * HALF_TURN / (int64_t)STEPS, 0);
     assert_int_equal(eds_client_upload(&rig, 0x6004, 0), (step + 36000) % 36000);
     return (uint8_t)eds_client_upload(&rig, 0x6300, channel);
 }
@@ -187,19 +189,19 @@ static void work_areas(void **state)
         {121, {0, 0, 3}}, {151, {0, 3, 3}}, {200, {0, 3, 3}}, {201, {3, 3, 3}},
     };
     (void)state;
-    assert_int_equal(eds_rig_read(&rig, text, strlen(text)), DG_OK);
+    assert_int_equal(eds_client_read(&rig, text, strlen(text)), DG_OK);
     assert_int_equal(rig.notes, 0);
-    eds_rig_make(&rig);
-    eds_rig_switch_on(&rig);
+    eds_client_make(&rig);
+    eds_client_switch_on(&rig);
     for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
-        dg_host_shaft(rig.host, rig.now, ((2 * rows[i].step + 1) << 31) / (int64_t)STEPS, 0);
+        dg_host_shaft(rig.host, rig.now, (2 * rows[i].step + 1) * HALF_TURN / (int64_t)STEPS, 0);
         for (uint8_t channel = 1; channel <= 3; channel++) {
-            assert_int_equal(eds_rig_upload(&rig, 0x6400, channel) & 0xFFu,
+            assert_int_equal(eds_client_upload(&rig, 0x6400, channel) & 0xFFu,
                              rows[i].bits[channel - 1]);
         }
     }
-    assert_int_equal(eds_rig_download(&rig, 0x6402, 1, 300, 4), 0);
-    assert_int_equal(eds_rig_upload(&rig, 0x6400, 1) & 0xFFu, 0);
+    assert_int_equal(eds_client_download(&rig, 0x6402, 1, 300, 4), 0);
+    assert_int_equal(eds_client_upload(&rig, 0x6400, 1) & 0xFFu, 0);
 }
 
 int main(void)

@@ -525,75 +525,6 @@ static void what_is_tolerated_is_noted(void **state)
     assert_int_equal(upload(0x2001, 0), 9);
 }
 
-/* Nothing vanishes without a word: a slip of the pen is an object less. */
-static void what_is_left_out_is_noted(void **state)
-{
-    (void)state;
-    read_text("[1000]\nDataType=7\nDefaultValue=0x10196\nAccessType=ro\n"
-              "[100Z]\n[1018subX]\n[2005sub1FF]\n[200\n[20050]\n[2000]\nParameterName=lost\n"
-              "[2001]\nObjectType=0x33\n[2002]\nObjectType=9\n[2003Value]\n1=3\n");
-    assert_true(is_noted("100Z", "is no section of an object"));
-    assert_true(is_noted("1018subX", "is no section of an object"));
-    assert_true(is_noted("2005sub1FF", "is no section of an object"));
-    assert_true(is_noted("20050", "is no section of an object"));
-    assert_true(is_noted("200", "has no ']'"));
-    assert_true(is_noted("2000", "is missing: left out"));
-    assert_true(is_noted("2001", "is none: left out"));
-    assert_true(is_noted("2002", "has no sub-index: left out"));
-    assert_true(is_noted("2003sub1", "a default of no sub-index: left out"));
-    /* What files have besides, and heads of arrays whose type nobody says. */
-    read_text(
-        "[FileInfo]\n[DummyUsage]\nDummy0001=0\n[Comments]\nLines=0\n[ToolInfos]\n[M1ModuleInfo]\n"
-        "[1000]\nDataType=7\nDefaultValue=0x10196\nAccessType=ro\n"
-        "[2000]\nParameterName=Array\n[2000sub1]\nDataType=5\nAccessType=rw\n"
-        "[2000Name]\n[2000Denotation]\n[2000ObjectLinks]\n[0005]\nObjectType=7\nDataType=5\nAccessType=ro\n"
-        "[6501]\nDataType=7\nAccessType=ro\nDefaultValue=8\n");
-    assert_int_equal(rig.note_count, 0);
-}
-
-/* What the encoder finds out by itself nobody writes, whatever the file says. */
-static void a_position_is_read_only(void **state)
-{
-    (void)state;
-    read_text("[1000]\nDataType=7\nDefaultValue=0x10196\nAccessType=ro\n"
-              "[6004]\nDataType=7\nAccessType=rw\n"
-              "[6501]\nDataType=7\nAccessType=ro\nDefaultValue=4096\n");
-    assert_true(is_noted("6004", "read only"));
-    assert_true(rig.notes[0].lacks);
-    start_encoder(&rig.file.device);
-    assert_int_equal(download(0x6004, 0, 5, 4), 0x06010002);
-}
-
-static enum dg_co_role role_of(uint16_t index, uint8_t sub)
-{
-    const struct dg_co_dictionary *dictionary = &rig.file.file.device.dictionary;
-
-    for (uint16_t i = 0; i < dictionary->count; i++) {
-        if ((dictionary->rows[i].key & 0xFFFFFF00u) == DG_CO_KEY(index, sub)) {
-            return dg_co_role_of(&rig.file.file, i);
-        }
-    }
-    fail_msg("%04Xh:%u is not there", index, sub);
-    return DG_CO_ROLE_COUNT;
-}
-
-static void what_an_object_does_can_be_asked(void **state)
-{
-    (void)state;
-    read_text(acme);
-    assert_int_equal(role_of(0x1000, 0), DG_CO_CONSTANT);
-    assert_int_equal(role_of(0x1001, 0), DG_CO_SIMULATED);
-    assert_int_equal(role_of(0x1008, 0), DG_CO_CONSTANT);
-    assert_int_equal(role_of(0x1017, 0), DG_CO_SIMULATED);
-    assert_int_equal(role_of(0x1200, 1), DG_CO_CONSTANT);
-    assert_int_equal(role_of(0x1800, 1), DG_CO_SIMULATED);
-    assert_int_equal(role_of(0x2000, 0), DG_CO_STORES);
-    assert_int_equal(role_of(0x2010, 3), DG_CO_STORES);
-    assert_int_equal(role_of(0x2021, 0), DG_CO_CONSTANT);
-    assert_int_equal(role_of(0x6004, 0), DG_CO_SIMULATED);
-    assert_int_equal(role_of(0x6501, 0), DG_CO_CONSTANT);
-}
-
 /* A DCF has a node-ID, a bit rate and values of its own. */
 static void a_dcf_is_configured(void **state)
 {
@@ -698,9 +629,6 @@ int main(void)
         cmocka_unit_test(a_file_that_is_too_long_is_refused),
         cmocka_unit_test(little_memory_is_said),
         cmocka_unit_test(what_is_tolerated_is_noted),
-        cmocka_unit_test(what_is_left_out_is_noted),
-        cmocka_unit_test(a_position_is_read_only),
-        cmocka_unit_test(what_an_object_does_can_be_asked),
         cmocka_unit_test(a_dcf_is_configured),
         cmocka_unit_test(a_preset_may_have_a_sign),
         cmocka_unit_test(the_memory_of_another_file_is_foreign),

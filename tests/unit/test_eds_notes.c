@@ -1,0 +1,108 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * What is noted of an EDS file, and what its objects do.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "eds_client.h"
+
+static struct eds_client rig;
+
+static void read_text(const char *text)
+{
+    assert_int_equal(eds_client_read(&rig, text, strlen(text)), DG_OK);
+}
+
+/* Nothing vanishes without a word: a slip of the pen is an object less. */
+static void what_is_left_out_is_noted(void **state)
+{
+    (void)state;
+    read_text("[1000]\nDataType=7\nDefaultValue=0x10196\nAccessType=ro\n"
+              "[100Z]\n[1018subX]\n[2005sub1FF]\n[200\n[20050]\n[2000]\nParameterName=lost\n"
+              "[2001]\nObjectType=0x33\n[2002]\nObjectType=9\n[2003Value]\n1=3\n");
+    assert_true(eds_client_noted(&rig, "100Z", "is no section of an object"));
+    assert_true(eds_client_noted(&rig, "1018subX", "is no section of an object"));
+    assert_true(eds_client_noted(&rig, "2005sub1FF", "is no section of an object"));
+    assert_true(eds_client_noted(&rig, "20050", "is no section of an object"));
+    assert_true(eds_client_noted(&rig, "200", "has no ']'"));
+    assert_true(eds_client_noted(&rig, "2000", "is missing: left out"));
+    assert_true(eds_client_noted(&rig, "2001", "is none: left out"));
+    assert_true(eds_client_noted(&rig, "2002", "has no sub-index: left out"));
+    assert_true(eds_client_noted(&rig, "2003sub1", "a default of no sub-index: left out"));
+    /* What files have besides, and heads of arrays whose type nobody says. */
+    read_text(
+        "[FileInfo]\n[DummyUsage]\nDummy0001=0\n[Comments]\nLines=0\n[ToolInfos]\n[M1ModuleInfo]\n"
+        "[1000]\nDataType=7\nDefaultValue=0x10196\nAccessType=ro\n"
+        "[2000]\nParameterName=Array\n[2000sub1]\nDataType=5\nAccessType=rw\n"
+        "[2000Name]\n[2000Denotation]\n[2000ObjectLinks]\n[0005]\nObjectType=7\nDataType=5\nAccessType=ro\n"
+        "[6501]\nDataType=7\nAccessType=ro\nDefaultValue=8\n");
+    assert_int_equal(rig.notes, 0);
+}
+
+/* What the encoder finds out by itself nobody writes, whatever the file says. */
+static void a_position_is_read_only(void **state)
+{
+    (void)state;
+    read_text("[1000]\nDataType=7\nDefaultValue=0x10196\nAccessType=ro\n"
+              "[6004]\nDataType=7\nAccessType=rw\n"
+              "[6501]\nDataType=7\nAccessType=ro\nDefaultValue=4096\n");
+    assert_true(eds_client_noted(&rig, "6004", "read only"));
+    assert_true(rig.lacks == 1);
+    eds_client_make(&rig);
+    eds_client_switch_on(&rig);
+    assert_int_equal(eds_client_download(&rig, 0x6004, 0, 5, 4), 0x06010002);
+}
+
+static enum dg_co_role role_of(uint16_t index, uint8_t sub)
+{
+    const struct dg_co_dictionary *dictionary = &rig.file.file.device.dictionary;
+
+    for (uint16_t i = 0; i < dictionary->count; i++) {
+        if ((dictionary->rows[i].key & 0xFFFFFF00u) == DG_CO_KEY(index, sub)) {
+            return dg_co_role_of(&rig.file.file, i);
+        }
+    }
+    fail_msg("%04Xh:%u is not there", index, sub);
+    return DG_CO_ROLE_COUNT;
+}
+
+static void what_an_object_does_can_be_asked(void **state)
+{
+    (void)state;
+    read_text("[1000]\nDataType=7\nAccessType=ro\nDefaultValue=0x00020196\n"
+              "[1001]\nDataType=5\nAccessType=ro\n[1008]\nDataType=9\nAccessType=const\n"
+              "[1017]\nDataType=6\nAccessType=rw\n"
+              "[1200sub1]\nDataType=7\nAccessType=ro\nDefaultValue=0x600+$NODEID\n"
+              "[1800sub1]\nDataType=7\nAccessType=rw\nDefaultValue=$NODEID+0x180\n"
+              "[2000]\nDataType=5\nAccessType=rw\n"
+              "[2010]\nObjectType=8\nDataType=6\nAccessType=rw\nCompactSubObj=4\n"
+              "[2021]\nDataType=0x0F\nAccessType=ro\n[6004]\nDataType=7\nAccessType=ro\n"
+              "[6501]\nDataType=7\nAccessType=ro\nDefaultValue=16384\n");
+    assert_int_equal(role_of(0x1000, 0), DG_CO_CONSTANT);
+    assert_int_equal(role_of(0x1001, 0), DG_CO_SIMULATED);
+    assert_int_equal(role_of(0x1008, 0), DG_CO_CONSTANT);
+    assert_int_equal(role_of(0x1017, 0), DG_CO_SIMULATED);
+    assert_int_equal(role_of(0x1200, 1), DG_CO_CONSTANT);
+    assert_int_equal(role_of(0x1800, 1), DG_CO_SIMULATED);
+    assert_int_equal(role_of(0x2000, 0), DG_CO_STORES);
+    assert_int_equal(role_of(0x2010, 3), DG_CO_STORES);
+    assert_int_equal(role_of(0x2021, 0), DG_CO_CONSTANT);
+    assert_int_equal(role_of(0x6004, 0), DG_CO_SIMULATED);
+    assert_int_equal(role_of(0x6501, 0), DG_CO_CONSTANT);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(what_is_left_out_is_noted),
+        cmocka_unit_test(a_position_is_read_only),
+        cmocka_unit_test(what_an_object_does_can_be_asked),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
