@@ -257,13 +257,14 @@ static void bind_row(struct eds_maker *self, const struct eds_entry *entry,
     self->to->bound++;
 }
 
-/* It only stores, or never changes. */
-static void make_plain(struct eds_maker *self, const struct eds_entry *entry, struct dg_co_row *row)
+/* It only stores, or never changes. @param otherwise its default where the file has none */
+static void make_plain(struct eds_maker *self, const struct eds_entry *entry, struct dg_co_row *row,
+                       uint32_t otherwise)
 {
     const struct dg_co_object object = object_of(row);
     const bool follows = dg_co_take_number(entry->initial).follows;
-    const uint32_t count = entry->rank == EDS_COMPACT ? entry->compact : 0;
-    const uint32_t initial = number_of(self, entry, "DefaultValue", entry->initial, &object, count);
+    const uint32_t initial =
+        number_of(self, entry, "DefaultValue", entry->initial, &object, otherwise);
 
     row->flags |= (entry->access & (DG_CO_R | DG_CO_W)) | (entry->map ? DG_CO_MAP : 0u);
     self->to->plain++;
@@ -337,14 +338,14 @@ static bool make_row(struct eds_maker *self, struct eds_entry *entry, struct dg_
     const bool known = find_base(self, entry, &base);
     const struct dg_co_object object = object_of(row);
     if (known && is_lent(&base)) {
-        make_plain(self, entry, row);
+        make_plain(self, entry, row, dg_co_default(self->to->base, &base));
         self->to->plain--;
         self->to->bound++;
     } else if (known && is_alike(&base, &object)) {
         bind_row(self, entry, &base, row);
     } else {
         note_plain(self, entry, known);
-        make_plain(self, entry, row);
+        make_plain(self, entry, row, entry->rank == EDS_COMPACT ? entry->compact : 0);
     }
     return true;
 }

@@ -228,11 +228,11 @@ enum { DG_CO_SHORT_FLAGS };
     DG_CO_ROW(index, sub, more, DG_CO_##type, access, slot, initial, 0, NUMBER_##hook)
 
 /* What is set of cams and work areas is a cell of the file, in a channel each. */
-#define CHANNEL(index, type) OBJECT(index, 1, CHANNELS - 1u, type, R | W, 0, 0, NULL)
+#define CHANNEL(index, type, initial) OBJECT(index, 1, CHANNELS - 1u, type, R | W, 0, initial, NULL)
 #define EIGHT_CAMS(index, type)                                                                    \
-    CHANNEL(index, type), CHANNEL(index + 1, type), CHANNEL(index + 2, type),                      \
-        CHANNEL(index + 3, type), CHANNEL(index + 4, type), CHANNEL(index + 5, type),              \
-        CHANNEL(index + 6, type), CHANNEL(index + 7, type)
+    CHANNEL(index, type, 0), CHANNEL(index + 1, type, 0), CHANNEL(index + 2, type, 0),             \
+        CHANNEL(index + 3, type, 0), CHANNEL(index + 4, type, 0), CHANNEL(index + 5, type, 0),     \
+        CHANNEL(index + 6, type, 0), CHANNEL(index + 7, type, 0)
 
 /* Rows that nobody may read or write are for values that something counts on. */
 /* clang-format off */
@@ -252,14 +252,14 @@ static const struct dg_co_row rows[] = {
     OBJECT(0x6040, 1, 0, I16, R,         0, 0, dg_cia406_hook_acceleration),
     OBJECT(0x6200, 0, 0, U16, R|W,       0, 0, hook_timer),
     OBJECT(0x6300, 1, CHANNELS - 1u, U8, R, 0, 0, dg_cia406_hook_cams),
-    CHANNEL(0x6301, U8),
-    CHANNEL(0x6302, U8),
+    CHANNEL(0x6301, U8, 0),
+    CHANNEL(0x6302, U8, 0),
     EIGHT_CAMS(0x6310, U32),
     EIGHT_CAMS(0x6320, U32),
     EIGHT_CAMS(0x6330, U16),
     OBJECT(0x6400, 1, CHANNELS - 1u, U8, R, 0, 0, dg_cia406_hook_channel),
-    CHANNEL(0x6401, U32),
-    CHANNEL(0x6402, U32),
+    CHANNEL(0x6401, U32, 0),
+    CHANNEL(0x6402, U32, 0xFFFFFFFF),
     OBJECT(0x6500, 0, 0, U16, R,         0, 0, hook_status),
     OBJECT(0x6503, 0, 0, U16, R,         0, 0, dg_cia406_hook_health),
     OBJECT(0x6505, 0, 0, U16, R,         0, 0, dg_cia406_hook_health),

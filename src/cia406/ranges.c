@@ -59,6 +59,7 @@ enum dg_co_abort dg_cia406_hook_cams(struct dg_co_node *node, const struct dg_co
 #define OUTSIDE 1u
 #define ABOVE 2u
 #define BELOW 4u
+#define AREA_BITS 3u
 
 /* Whether the position is less than an object; signed where that is. */
 static bool is_less(const struct dg_co_node *node, uint32_t key)
@@ -70,18 +71,27 @@ static bool is_less(const struct dg_co_node *node, uint32_t key)
                                                                : at < limit;
 }
 
-/* 6400h: a limit that is not in the file is none. */
-enum dg_co_abort dg_cia406_hook_channel(struct dg_co_node *node, const struct dg_co_object *object,
-                                        enum dg_co_op op, uint32_t *value)
+/* A limit that is not in the file is none. */
+static uint32_t look_at_area(const struct dg_co_node *node, uint8_t channel)
 {
     const struct dg_co_device *device = node->setup.device;
-    const uint32_t low = DG_CO_KEY(0x6401, object->sub);
-    const uint32_t high = DG_CO_KEY(0x6402, object->sub);
+    const uint32_t low = DG_CO_KEY(0x6401, channel);
+    const uint32_t high = DG_CO_KEY(0x6402, channel);
     const bool below = dg_co_type_at(device, low) != DG_CO_TYPE_COUNT && is_less(node, low);
     const bool above = dg_co_type_at(device, high) != DG_CO_TYPE_COUNT && !is_less(node, high) &&
                        node->value[SLOT_POSITION] != dg_co_value_of(node, high);
 
+    return (below || above ? OUTSIDE : 0u) | (above ? ABOVE : 0u) | (below ? BELOW : 0u);
+}
+
+/* 6400h: a channel each; where there is one only, it has the second area in its upper bits, as the
+ * F36x8 has. */
+enum dg_co_abort dg_cia406_hook_channel(struct dg_co_node *node, const struct dg_co_object *object,
+                                        enum dg_co_op op, uint32_t *value)
+{
+    const bool alone = dg_co_type_at(node->setup.device, DG_CO_KEY(0x6400, 2)) == DG_CO_TYPE_COUNT;
+
     (void)op;
-    *value = (below || above ? OUTSIDE : 0u) | (above ? ABOVE : 0u) | (below ? BELOW : 0u);
+    *value = look_at_area(node, object->sub) | (alone ? look_at_area(node, 2) << AREA_BITS : 0u);
     return DG_CO_OK;
 }

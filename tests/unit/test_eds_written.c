@@ -122,6 +122,7 @@ static void words_may_have_something_behind_them(void **state)
 
 /* ------------------------------------------------------------ sections */
 
+/* What looks like a section of an object and is none is noted: it may be a slip of the pen. */
 static void comments_and_sections_of_tools_are_left_alone(void **state)
 {
     (void)state;
@@ -130,8 +131,12 @@ static void comments_and_sections_of_tools_are_left_alone(void **state)
                   "[1000Name]\n1=x\n[1000subx]\nDataType=7\n[1000sub100]\nDataType=7\n"
                   "[1000sub]\nDataType=7\n[1000Denotation]\nNrOfEntries=1\n"
                   "[2000]\nDataType=5\nAccessType=ro\nDefaultValue=3\nUpperText=x\n");
-    assert_int_equal(rig.note_count, 1); /* no 6501h */
-    assert_true(is_noted("6501", ""));
+    assert_int_equal(rig.note_count, 5);
+    assert_true(is_noted("6501", "")); /* is not there */
+    assert_true(is_noted("10", "is no section of an object"));
+    assert_true(is_noted("1000subx", "is no section of an object"));
+    assert_true(is_noted("1000sub100", "is no section of an object"));
+    assert_true(is_noted("1000sub", "is no section of an object"));
     assert_int_equal(co_rig_get(&rig.co, 0x2000, 0), 3);
 }
 
