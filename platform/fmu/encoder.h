@@ -43,6 +43,7 @@ struct fmu_encoder {
     struct dg_host *host;
     void *panel_memory; /* owned */
     struct dg_host_panel *panel;
+    bool unread; /* the frame of this moment, which nobody has asked for yet, is latched then */
     struct fmu_course now;
 };
 
@@ -62,6 +63,8 @@ struct fmu {
 void fmu_settle(struct fmu *self);
 /* Frames whose MA ticks. */
 void fmu_latch(struct fmu *self);
+/* Frames of the end of the latest step: before somebody looks at one, or changes what is in it. */
+void fmu_latch_unread(struct fmu *self);
 /* Of a variable of this group; NULL: there is none. */
 struct fmu_encoder *fmu_encoder_of(const struct fmu *self, uint32_t reference,
                                    enum fmu_group group);

@@ -59,6 +59,28 @@ static int64_t turns_of(double rad)
     return units < limit ? fmu_nearest(units) : (int64_t)limit;
 }
 
+/* BiSS, SSI: at this moment, if the one before is over. */
+static void latch(struct fmu *self, struct fmu_encoder *encoder)
+{
+    struct dg_host_frame frame;
+    if (self->now < encoder->now.busy ||
+        dg_host_frame(encoder->host, self->now, &frame) != DG_HOST_OK) {
+        return;
+    }
+    encoder->now.frame = frame;
+    encoder->now.busy = frame.end;
+}
+
+void fmu_latch_unread(struct fmu *self)
+{
+    for (size_t i = 0; i < self->count; i++) {
+        if (self->encoders[i].unread) {
+            self->encoders[i].unread = false;
+            latch(self, &self->encoders[i]);
+        }
+    }
+}
+
 /* A frame takes its time, and a step may be shorter: what was set meanwhile begins at its end. */
 static void settle_one(struct fmu *self, struct fmu_encoder *encoder)
 {
@@ -66,6 +88,7 @@ static void settle_one(struct fmu *self, struct fmu_encoder *encoder)
     if (!now->angle_new && !now->speed_new) {
         return;
     }
+    fmu_latch_unread(self); /* also of others on its shaft */
     const uint64_t at = now->busy > self->now ? now->busy : self->now;
     const double ahead = (double)(at - self->now) * 1e-9;
     const int64_t angle = now->angle_new ? turns_of(now->angle + now->speed * ahead)
@@ -106,18 +129,6 @@ static void run(struct fmu_encoder *self, uint64_t to)
     } else {
         (void)dg_host_step(self->host, to);
     }
-}
-
-/* BiSS, SSI: at this moment, if the one before is over. */
-static void latch(struct fmu *self, struct fmu_encoder *encoder)
-{
-    struct dg_host_frame frame;
-    if (self->now < encoder->now.busy ||
-        dg_host_frame(encoder->host, self->now, &frame) != DG_HOST_OK) {
-        return;
-    }
-    encoder->now.frame = frame;
-    encoder->now.busy = frame.end;
 }
 
 void fmu_latch(struct fmu *self)
@@ -207,6 +218,9 @@ double fmu_step(struct fmu *self, double now, double span, bool early)
     const uint64_t end = ns_of(self, now + span);
     const uint64_t to = end > self->now ? end : self->now;
     bool over = false;
+    for (size_t i = 0; i < self->count; i++) {
+        self->encoders[i].unread = false;
+    }
     fmu_settle(self);
     for (size_t i = 0; i < self->count; i++) {
         wire_configure(&self->encoders[i]);
@@ -222,9 +236,7 @@ double fmu_step(struct fmu *self, double now, double span, bool early)
         over = self->now >= to || (early && fmu_ticks(self));
     }
     for (size_t i = 0; i < self->count && !self->events; i++) {
-        if ((self->encoders[i].has & FMU_HAS_MASTER) != 0) {
-            latch(self, &self->encoders[i]);
-        }
+        self->encoders[i].unread = (self->encoders[i].has & FMU_HAS_MASTER) != 0;
     }
     if (self->now == to) {
         return now + span;
@@ -359,6 +371,7 @@ int fmu_save(struct fmu *self, void *to, size_t n)
         return DG_HOST_ERR_SPACE;
     }
     fmu_settle(self);
+    fmu_latch_unread(self);
     at = put(at, self->token, strlen(self->token));
     at = put(at, &self->start, sizeof self->start);
     at = put(at, &self->now, sizeof self->now);
@@ -450,6 +463,7 @@ static int restore_all(struct fmu *self, const uint8_t *at)
             return result != DG_HOST_OK ? result : DG_HOST_ERR_DAMAGED;
         }
         encoder->now = course;
+        encoder->unread = false;
         at += size;
     }
     return DG_HOST_OK;

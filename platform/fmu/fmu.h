@@ -112,7 +112,7 @@ const char *fmu_prefix(const struct fmu *self, size_t encoder);
  * of its own. @return whether there is one */
 bool fmu_variable(struct fmu *self, size_t index, struct fmu_variable *to);
 
-/** Frames of clocked wires are latched by MA; else at the end of every step. */
+/** Frames of clocked wires are latched by MA; else at the end of a step, if somebody reads them. */
 void fmu_use_events(struct fmu *self, bool events);
 
 /** Settings are complete: power, if it is on, from `start` seconds on, of at most FMU_TIME_MAX.

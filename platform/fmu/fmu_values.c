@@ -73,6 +73,9 @@ static struct fmu_value told(const struct fmu_course *now, enum fmu_output outpu
 static int get_output(struct fmu *self, struct fmu_encoder *encoder, uint32_t index,
                       struct fmu_value *to)
 {
+    if (index >= FMU_FRAME) {
+        fmu_latch_unread(self);
+    }
     fmu_settle(self);
     fmu_latch(self);
     if (index >= FMU_OUTPUT_COUNT) {
@@ -256,6 +259,9 @@ int fmu_set(struct fmu *self, uint32_t reference, const struct fmu_value *value)
     struct fmu_encoder *encoder = fmu_encoder_of(self, reference, group);
     if (encoder == NULL) {
         return DG_HOST_ERR_NAME;
+    }
+    if (group != FMU_INPUT || index == FMU_POWER) {
+        fmu_latch_unread(self); /* angle and speed begin later, with fmu_settle() */
     }
     switch (group) {
     case FMU_INPUT:

@@ -573,6 +573,39 @@ static void all_are_latched_without_events(void **state)
     fmu_free(fmu);
 }
 
+/* The position of a frame is that of the end of the step whatever is set before it is read, and LC
+   counts the frames that somebody has read. */
+static void a_frame_that_nobody_reads_is_none(void **state)
+{
+    const uint32_t bits = VARIABLE(FMU_OUTPUT, FMU_FRAME);
+    const uint32_t latched = VARIABLE(FMU_OUTPUT, FMU_FRAME_POSITION);
+    const struct fmu_value turned = {.type = FMU_REAL, .real = 3.0};
+    const struct fmu_value no = {.type = FMU_BOOL};
+    (void)state;
+    struct fmu *fmu = fmu_running(TOKEN " =s3684-biss");
+    struct fmu_variable row;
+    size_t i = 0;
+    fmu_use_events(fmu, false);
+    for (uint64_t step = 0; step < 5; step++) {
+        assert_true(fmu_step(fmu, (double)step, 1, false) > (double)step);
+    }
+    assert_int_equal(fmu_integer(fmu, bits) >> 6 & 63, 0); /* the first one since power-on */
+    assert_true(fmu_step(fmu, 5, 1, false) > 5);
+    assert_int_equal(fmu_set(fmu, VARIABLE(FMU_INPUT, FMU_ANGLE), &turned), DG_HOST_OK);
+    assert_int_equal(fmu_integer(fmu, VARIABLE(FMU_OUTPUT, FMU_POSITION)), 0);
+    assert_int_equal(fmu_integer(fmu, latched), 0);
+    assert_int_equal(fmu_integer(fmu, bits) >> 6 & 63, 1);
+    assert_true(fmu_step(fmu, 6, 1, false) > 6);
+    while (fmu_variable(fmu, i, &row) && strcmp(row.name, "world.singleturn_ok") != 0) {
+        i++;
+    }
+    assert_int_equal(fmu_set(fmu, row.reference, &no), DG_HOST_OK);
+    assert_int_equal(fmu_integer(fmu, VARIABLE(FMU_OUTPUT, FMU_NERR)), 1);
+    assert_true(fmu_step(fmu, 7, 1, false) > 7);
+    assert_int_equal(fmu_integer(fmu, VARIABLE(FMU_OUTPUT, FMU_NERR)), 0);
+    fmu_free(fmu);
+}
+
 /* Off and on again is a restart, on and on is none. */
 static void power_that_stays_is_no_restart(void **state)
 {
@@ -640,6 +673,7 @@ int main(void)
         cmocka_unit_test(each_node_has_its_own_bus),
         cmocka_unit_test(followers_follow_with_faults_too),
         cmocka_unit_test(all_are_latched_without_events),
+        cmocka_unit_test(a_frame_that_nobody_reads_is_none),
         cmocka_unit_test(power_that_stays_is_no_restart),
         cmocka_unit_test(numbers_that_are_none_are_refused),
     };
