@@ -210,6 +210,7 @@ struct dg_biss_line {
     dg_ns start;    /**< end of the processing time: the last slave's start bit is not before it */
     dg_ns hint;     /**< dg_biss_hint() says so from then on; 0: it was not asked yet */
     uint64_t shift; /**< bit `length` of it is on SLO */
+    uint32_t timeout; /**< of the frame, in ns: known at e1 */
     enum dg_biss_line_state state;
     uint8_t length; /**< of the data in bits */
     bool ma;        /**< level of MA */

@@ -73,6 +73,7 @@ static void rising(struct dg_biss *self, dg_ns now, bool sli)
         break;
     case DG_BISS_IDLE:
         line->length = latch(self, now, &line->shift);
+        line->timeout = (uint32_t)timeout_ns(self); /* 7Ch is written between frames */
         line->state = DG_BISS_ACK;
         break;
     case DG_BISS_ACK:
@@ -123,7 +124,7 @@ static inline void shift(struct dg_biss *self, dg_ns now, bool level, bool sli)
 
     line->last = now;
     line->ma = level;
-    line->deadline = dg_after(now, timeout_ns(self));
+    line->deadline = dg_after(now, line->timeout);
     if (level) {
         line->shift = line->shift << 1 | sli;
         line->slo = (line->shift >> line->length & 1u) != 0;
