@@ -289,7 +289,8 @@ struct dg_co_device {
      * not constant. May be NULL. */
     void (*sample)(struct dg_co_node *node);
     /** Periodic work; returns the next moment it is wanted, which neither sample() nor the reading
-     * of an object moves. May be NULL. */
+     * of an object moves, nor the writing of one below 2000h, nor an NMT state that is not
+     * Operational behind another one that is not. May be NULL. */
     dg_ns (*step)(struct dg_co_node *node);
 };
 

@@ -13,6 +13,21 @@ static uint32_t heartbeat_ms(const struct dg_co_node *self)
     return self->value[CO_HEARTBEAT_MS];
 }
 
+/* One of the deadlines that `others` is the first of. Whether the first one has gone with it only
+   a step can tell. */
+static void move_deadline(struct dg_co_node *self, dg_ns *deadline, dg_ns at)
+{
+    const bool was_first = *deadline == self->others && *deadline != DG_NEVER;
+
+    *deadline = at;
+    self->others = was_first ? 0 : dg_earliest(self->others, at);
+}
+
+static void start_period(struct dg_co_node *self)
+{
+    move_deadline(self, &self->heartbeat_at, dg_co_after_ms(self->now, heartbeat_ms(self)));
+}
+
 /* Now, and again after the period. */
 static void heartbeat(struct dg_co_node *self)
 {
@@ -21,7 +36,7 @@ static void heartbeat(struct dg_co_node *self)
     if (heartbeat_ms(self) != 0) {
         dg_co_send(self, (uint16_t)(CO_ID_GUARD + self->id), state, sizeof state);
     }
-    self->heartbeat_at = dg_co_after_ms(self->now, heartbeat_ms(self));
+    start_period(self);
 }
 
 void dg_co_enter(struct dg_co_node *self, enum dg_co_state state)
@@ -31,15 +46,17 @@ void dg_co_enter(struct dg_co_node *self, enum dg_co_state state)
     }
     bool was_operational = self->state == DG_CO_OPERATIONAL;
     bool booted = self->state == DG_CO_BOOT;
-    self->others = 0;
     self->state = state;
+    if (self->emcy_count != 0) {
+        self->others = 0; /* EMCYs may go now, or no longer */
+    }
     if (state == DG_CO_STOPPED) {
         dg_co_sdo_start(self); /* a transfer does not survive */
     }
     if (!booted) {
         heartbeat(self);
     } else { /* the boot-up was the first one */
-        self->heartbeat_at = dg_co_after_ms(self->now, heartbeat_ms(self));
+        start_period(self);
     }
     if (was_operational || state == DG_CO_OPERATIONAL) {
         dg_co_pdo_state(self, state == DG_CO_OPERATIONAL);
@@ -189,7 +206,7 @@ enum dg_co_abort dg_co_hook_heartbeat(struct dg_co_node *self, const struct dg_c
     (void)object;
     (void)value;
     if (op == DG_CO_WRITTEN) {
-        self->guard_at = DG_NEVER; /* heartbeat takes precedence over guarding */
+        move_deadline(self, &self->guard_at, DG_NEVER); /* heartbeat comes before guarding */
         heartbeat(self);
     }
     return DG_CO_OK;
@@ -205,7 +222,7 @@ enum dg_co_abort dg_co_hook_consumer(struct dg_co_node *self, const struct dg_co
     uint32_t other = self->value[CO_CONSUMER_1 + (mine ^ 1u)];
 
     if (op == DG_CO_WRITTEN) {
-        self->consumer_at[mine] = DG_NEVER;
+        move_deadline(self, &self->consumer_at[mine], DG_NEVER);
         dg_co_clear(self, (uint8_t)(DG_CO_CAUSE_HEARTBEAT + mine));
     }
     if (op != DG_CO_WRITE) {

@@ -250,9 +250,8 @@ struct dg_co_limits dg_co_type_limits(const struct dg_co_object *object)
 
 struct dg_co_limits dg_co_limits_of(const struct dg_co_object *object)
 {
-    const uint32_t number = object->row->key >> 4 & 0xFu;
-
-    return number != 0 ? object->dictionary->limits[number] : dg_co_type_limits(object);
+    return co_has_limits(object) ? object->dictionary->limits[object->row->key >> 4 & 0xFu]
+                                 : dg_co_type_limits(object);
 }
 
 uint32_t dg_co_initial(const struct dg_co_node *self, const struct dg_co_object *object)
@@ -276,10 +275,12 @@ enum dg_co_abort dg_co_write(struct dg_co_node *self, const struct dg_co_object 
     dg_co_hook *const hook = co_hook(object);
     enum dg_co_abort abort = DG_CO_OK;
 
-    if (!dg_co_in_range(object, value)) {
+    if (co_has_limits(object) && !dg_co_in_range(object, value)) {
         return DG_CO_RANGE;
     }
-    self->others = 0;
+    if (object->index >= 0x2000) {
+        self->others = 0; /* what the device does with it is its own; the stack's hooks say so */
+    }
     if (hook != NULL) {
         abort = hook(self, object, DG_CO_WRITE, &value);
     }

@@ -70,6 +70,11 @@ uint32_t dg_co_extend(const struct dg_co_object *object, uint32_t value);
 uint32_t dg_co_default(const struct dg_co_device *device, const struct dg_co_object *object);
 struct dg_co_limits dg_co_type_limits(const struct dg_co_object *object);
 struct dg_co_limits dg_co_limits_of(const struct dg_co_object *object);
+/** Whether it has limits of its own; else each value that dg_co_extend() gives is inside. */
+static inline bool co_has_limits(const struct dg_co_object *object)
+{
+    return (object->row->key & 0xF0u) != 0;
+}
 /** Whether a value is inside the limits. */
 bool dg_co_in_range(const struct dg_co_object *object, uint32_t value);
 /** Read an object that is no string, whatever its access. Without a slot its default is its own. */
@@ -82,7 +87,7 @@ static inline enum dg_co_abort co_read(struct dg_co_node *self, const struct dg_
     *value = (row->flags & DG_CO_SLOT) != 0 ? self->value[object->slot] : row->initial;
     return hook == NULL ? DG_CO_OK : hook(self, object, DG_CO_READ, value);
 }
-/** Write an object with DG_CO_W: range, hook, slot, hook again. */
+/** Write an object with DG_CO_W: range, hook, slot, hook again. `value` as from dg_co_extend(). */
 enum dg_co_abort dg_co_write(struct dg_co_node *self, const struct dg_co_object *object,
                              uint32_t value);
 /** Default for this node (the node-ID added where the row says so). */

@@ -24,7 +24,7 @@ struct subject {
     struct dg_co_node node;
     dg_ns now;
 };
-static struct subject plain, scaled;
+static struct subject plain, scaled, stopped;
 static uint64_t answered;
 
 static void send(void *ctx, const struct dg_can_frame *frame)
@@ -65,6 +65,7 @@ EXCHANGE(block, SDO(0xA4, 0x08, 0x10, 0x00, 0x7F), SDO(0xA3), SDO(0xA2, 3, 0x7F)
 EXCHANGE(foreign, {.id = 0x181, .dlc = 8});
 /* Boot-up, and three TPDOs whose turn it is when it starts. */
 EXCHANGE(restart, {.dlc = 2, .data = {0x81, NODE_ID}}, {.dlc = 2, .data = {0x01, NODE_ID}});
+EXCHANGE(nmt, {.dlc = 2, .data = {0x02, NODE_ID}}, {.dlc = 2, .data = {0x80, NODE_ID}});
 /* clang-format on */
 
 static void exchange(struct subject *self, const struct exchange *frames)
@@ -83,6 +84,11 @@ static void receive(const void *what)
 static void receive_scaled(const void *what)
 {
     exchange(&scaled, what);
+}
+
+static void receive_stopped(const void *what)
+{
+    exchange(&stopped, what);
 }
 
 /* A second in which nobody says anything, and a host looks at its clock every millisecond. */
@@ -145,6 +151,7 @@ static const struct bench benches[] = {
     {"canopen.foreign-frame", receive, &foreign, 0, 1},
     {"canopen.millisecond", pass, NULL, 0, 1000},
     {"canopen.reset-and-start", receive, &restart, 4, 1},
+    {"canopen.nmt", receive_stopped, &nmt, 0, 2},
 };
 
 static const struct bench_bytes bytes[] = {
@@ -154,7 +161,7 @@ static const struct bench_bytes bytes[] = {
 
 static bool start(void)
 {
-    if (!make(&plain) || !make(&scaled)) {
+    if (!make(&plain) || !make(&scaled) || !make(&stopped)) {
         return false;
     }
     answered = 0;
