@@ -127,6 +127,7 @@ JUDGES = {
     "tools/python/drehgeber/encoder": [r"python\.package/(encoder|values)", *PACKAGE],
     "tools/python/drehgeber/fixture": [r"python\.package/user", *PACKAGE],
     "tools/python/drehgeber/instrument": [r"python\.package/(control|encoder)", *PACKAGE],
+    "tools/python/drehgeber/model": [r"python\.package/model", *PACKAGE],
     "tools/python/drehgeber/plan": [r"python\.package/(verdicts|rig)$", *PACKAGE],
     "tools/python/drehgeber/protocol_drehgeber": [r"python\.package/serial", *PACKAGE],
     "tools/python/drehgeber/rigfile": [r"python\.package/(rig|rig_readers)$", *PACKAGE],
