@@ -21,7 +21,7 @@ const MOST_SEMICOLONS = 1; // in a sentence
 const GENERATED = /<!-- (?:generated|green|screen)\b[^]*?<!-- end -->/g;
 const RELEASED = /^## \d+\.\d+\.\d+ [^]*/m;
 // What terminology and write-good would replace, and is in order here.
-const OTHER_TERMS = ["command ?line", "run[- ]time", "built ?in(s)?", "build system(s)?"];
+const OTHER_TERMS = ["command ?line", "run[- ]time", "built ?in(s)?", "build system(s)?", "file[- ]name(s)?"];
 const OTHER_PHRASES = new Set(["initial", "minimum", "maximum", "multiple", "transmit", "address", "monitor", "parameters",
     "terminate", "equivalent", "function", "component", "combined", "interface", "submit", "request", "evaluate", "indicate",
     "option", "type", "implement", "remain", "remains", "previously", "previous", "subsequent", "additional", "it is", "it was",
