@@ -46,7 +46,7 @@ function judgeSentences({ Syntax, RuleError, getSource, report }) {
     function judge(node) {
         const source = getSource(node).replace(/`[^`]*`/g, (code) => "x".repeat(code.length))
             .replace(/\]\([^)]*\)/g, (link) => "]".padEnd(link.length));
-        for (const { 0: sentence, index } of source.matchAll(/[^.!?:]+(?:[.!?:](?!\s|$)[^.!?:]*)*/g)) {
+        for (const { 0: sentence, index } of source.matchAll(/[^.!?:]+(?:[.!?:](?![*"')\]]*(?:\s|$))[^.!?:]*)*/g)) {
             const words = sentence.split(/\s+/).filter((word) => /\w/.test(word)).length;
             const semicolons = sentence.split(";").length - 1;
             if (words > LONGEST_SENTENCE) report(node, new RuleError(`a sentence of ${words} words`, { index }));
