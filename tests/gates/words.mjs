@@ -40,7 +40,7 @@ function blank(path, text) {
     return patterns.reduce((left, pattern) => left.replace(pattern, (part) => part.replace(/[^\n]+/g, "")), text);
 }
 
-/** A rule of textlint: how long a sentence is, and how many semicolons join its parts. */
+/** A rule of textlint: how long a sentence is, how many semicolons join its parts, and whether its subject is a thing or an actor. */
 function judgeSentences({ Syntax, RuleError, getSource, report }) {
     function judge(node) {
         const source = getSource(node).replace(/`[^`]*`/g, (code) => "x".repeat(code.length))
@@ -50,6 +50,9 @@ function judgeSentences({ Syntax, RuleError, getSource, report }) {
             const semicolons = sentence.split(";").length - 1;
             if (words > LONGEST_SENTENCE) report(node, new RuleError(`a sentence of ${words} words`, { index }));
             if (semicolons > MOST_SEMICOLONS) report(node, new RuleError(`a chain of ${semicolons} semicolons`, { index }));
+            if (/^[\s*"]*Wh(?:at|o)\s/.test(sentence) && source[index + sentence.length] === ".") {
+                report(node, new RuleError("a clause with what or who as its subject: name the thing or the actor", { index }));
+            }
         }
     }
     return { [Syntax.Paragraph]: judge };
