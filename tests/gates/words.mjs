@@ -5,7 +5,7 @@
 //
 // usage: words.mjs TREE PACKAGES [--help-texts PROGRAM | PAGE...]
 //        PACKAGES has in node_modules what words/package-lock.json pins. PAGE is a part of a page's path: only such pages are
-//        checked. With --help-texts the words of what PROGRAM prints with --help are, and those of the manual pages.
+//        checked. --help-texts checks the words of what PROGRAM prints with --help, and of the manual pages, in place of pages.
 import { execFileSync } from "node:child_process";
 import { readFileSync, readdirSync } from "node:fs";
 import { createRequire } from "node:module";
@@ -35,7 +35,7 @@ function findPages(tree, folder = tree) {
 }
 
 /** The text with what is not checked blanked; lines keep their numbers. */
-function blank(path, text) {
+function blankUnchecked(path, text) {
     const patterns = path.endsWith("CHANGELOG.md") ? [GENERATED, RELEASED] : [GENERATED];
     return patterns.reduce((left, pattern) => left.replace(pattern, (part) => part.replace(/[^\n]+/g, "")), text);
 }
@@ -76,7 +76,7 @@ function loadLinter(packages) {
     };
 }
 
-async function lint({ kernel, plugins, rules }, path, text) {
+async function lintText({ kernel, plugins, rules }, path, text) {
     const { messages } = await kernel.lintText(text, { filePath: path, ext: ".md", plugins, rules });
     const phrase = (message) => message.match(/^"([^"]*)"/)?.[1].toLowerCase().replace(/\s+/g, " ");
     const inOrder = ({ ruleId, message }) => ruleId === "wordy" && OTHER_PHRASES.has(phrase(message));
@@ -87,7 +87,7 @@ async function judgePages(linter, tree, wanted) {
     const pages = findPages(tree).filter((path) => !wanted.length || wanted.some((part) => path.includes(part)));
     const complaints = [];
     for (const path of pages) {
-        complaints.push(...await lint(linter, path, blank(path, readFileSync(join(tree, path), "utf8"))));
+        complaints.push(...await lintText(linter, path, blankUnchecked(path, readFileSync(join(tree, path), "utf8"))));
     }
     return [pages.length, complaints];
 }
@@ -96,12 +96,12 @@ async function judgePages(linter, tree, wanted) {
 async function judgeHelp(linter, tree, program) {
     const print = (...words) => execFileSync(program, words, { encoding: "utf8" });
     const commands = readdirSync(join(tree, "tools/man")).flatMap((name) => name.match(/^drehgeber-(\w+)\.1$/)?.[1] ?? []);
-    const texts = [["--help", print("--help")], ...commands.map((name) => [`${name} --help`, print("help", name)]),
+    const texts = [["--help", print("--help")], ...commands.map((name) => [`${name} --help`, print(name, "--help")]),
         ...readdirSync(join(tree, "tools/man")).map((name) => [`tools/man/${name}`, readFileSync(join(tree, "tools/man", name), "utf8")])];
     const words = { ...linter, rules: linter.rules.filter(({ ruleId }) => ruleId === "words") };
     const complaints = [];
     for (const [name, text] of texts) {
-        complaints.push(...await lint(words, name, text.replace(/^[ .>+-]+/gm, "").replace(/[`*_#<>|\\[\]]/g, " ")));
+        complaints.push(...await lintText(words, name, text.replace(/^[ .>+-]+/gm, "").replace(/[`*_#<>|\\[\]]/g, " ")));
     }
     return [texts.length, complaints];
 }
