@@ -313,6 +313,15 @@ static bool is_lent(const struct dg_co_object *base)
     return co_is(base, DG_CO_W) && !co_is(base, DG_CO_SLOT) && co_hook(base) == NULL;
 }
 
+/* As the base has it; the largest value is the largest one of the object's own type. */
+static uint32_t lent_default(const struct eds_maker *self, const struct dg_co_object *object,
+                             const struct dg_co_object *base)
+{
+    const uint32_t own = dg_co_default(self->to->base, base);
+
+    return own == dg_co_type_limits(base).max ? dg_co_type_limits(object).max : own;
+}
+
 /* @return false: nothing can be made of it */
 static bool make_row(struct eds_maker *self, struct eds_entry *entry, struct dg_co_row *row)
 {
@@ -338,7 +347,7 @@ static bool make_row(struct eds_maker *self, struct eds_entry *entry, struct dg_
     const bool known = find_base(self, entry, &base);
     const struct dg_co_object object = object_of(row);
     if (known && is_lent(&base)) {
-        make_plain(self, entry, row, dg_co_default(self->to->base, &base));
+        make_plain(self, entry, row, lent_default(self, &object, &base));
         self->to->plain--;
         self->to->bound++;
     } else if (known && is_alike(&base, &object)) {

@@ -174,10 +174,13 @@ static void work_areas(void **state)
                                "[6400sub1]\nDataType=5\nAccessType=ro\nPDOMapping=1\n"
                                "[6400sub2]\nDataType=5\nAccessType=ro\nPDOMapping=1\n"
                                "[6400sub3]\nDataType=5\nAccessType=ro\nPDOMapping=1\n"
+                               "[6400sub4]\nDataType=5\nAccessType=ro\nPDOMapping=1\n"
                                "[6401sub1]\nDataType=7\nAccessType=rw\nDefaultValue=100\n"
                                "[6402sub1]\nDataType=7\nAccessType=rw\nDefaultValue=200\n"
                                "[6401sub2]\nDataType=4\nAccessType=rw\nDefaultValue=-5\n"
                                "[6402sub2]\nDataType=4\nAccessType=rw\nDefaultValue=150\n"
+                               "[6401sub4]\nDataType=4\nAccessType=rw\n"
+                               "[6402sub4]\nDataType=4\nAccessType=rw\n"
                                "[6402sub3]\nDataType=7\nAccessType=rw\nDefaultValue=120\n"
                                "[6501]\nDataType=7\nAccessType=ro\nDefaultValue=3600\n"
                                "[6502]\nDataType=6\nAccessType=ro\nDefaultValue=10\n";
@@ -199,6 +202,7 @@ static void work_areas(void **state)
             assert_int_equal(eds_client_upload(&rig, 0x6400, channel) & 0xFFu,
                              rows[i].bits[channel - 1]);
         }
+        assert_int_equal(eds_client_upload(&rig, 0x6400, 4) & 0xFFu, 0); /* as delivered */
     }
     assert_int_equal(eds_client_download(&rig, 0x6402, 1, 300, 4), 0);
     assert_int_equal(eds_client_upload(&rig, 0x6400, 1) & 0xFFu, 0);
