@@ -13,14 +13,13 @@ static uint32_t heartbeat_ms(const struct dg_co_node *self)
     return self->value[CO_HEARTBEAT_MS];
 }
 
-/* One of the deadlines that `others` is the first of. Whether the first one has gone with it only
-   a step can tell. */
+/* One of the deadlines that `others` is the first of. */
 static void move_deadline(struct dg_co_node *self, dg_ns *deadline, dg_ns at)
 {
-    const bool was_first = *deadline == self->others && *deadline != DG_NEVER;
-
-    *deadline = at;
-    self->others = was_first ? 0 : dg_earliest(self->others, at);
+    if (*deadline != at) {
+        *deadline = at;
+        self->others = 0;
+    }
 }
 
 static void start_period(struct dg_co_node *self)
