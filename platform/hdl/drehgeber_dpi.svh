@@ -22,9 +22,11 @@
   import "DPI-C" function string dg_hdl_command(input chandle self, input longint now, input string line);
   import "DPI-C" function real dg_hdl_volts(input chandle self, input longint at, input int index);
 
+  localparam longint NEVER = 64'sh7FFF_FFFF_FFFF_FFFF;
   chandle encoder;
   // Moments at which to look again, the earliest one first: none is put behind another.
   longint wakes[$];
+  longint earliest = NEVER; // of them: the queue itself is looked at when one comes or goes
   int     count; // of them ever
   int     again; // the one that has come
   int     asked; // changes, when the test bench has done something
@@ -54,13 +56,17 @@
     int     levels;
     make();
     now = now_ps();
-    while (wakes.size() != 0 && wakes[0] <= now) void'(wakes.pop_front());
+    while (earliest <= now) begin
+      void'(wakes.pop_front());
+      earliest = wakes.size() != 0 ? wakes[0] : NEVER;
+    end
     levels = dg_hdl_wires(encoder, now, inputs());
     outputs(levels);
     if (levels[8]) hint(0);
     due = dg_hdl_next(encoder);
-    if (due >= 0 && (wakes.size() == 0 || due < wakes[0])) begin
+    if (due >= 0 && due < earliest) begin
       wakes.push_front(due);
+      earliest = due;
       count++;
       again <= #(due - now) count;
     end
