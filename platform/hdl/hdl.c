@@ -131,12 +131,31 @@ static void *allocate(size_t size)
                          (size + DG_HOST_ALIGN - 1u) / DG_HOST_ALIGN * DG_HOST_ALIGN);
 }
 
+static size_t size_of(const struct dg_hdl *self, const char *model)
+{
+    return self->device == NULL ? dg_host_size_of(model)
+                                : dg_host_size(self->device, dg_host_wire_of(self->device));
+}
+
+static struct dg_host *make_in(struct dg_hdl *self, void *memory, size_t size, const char *model)
+{
+    if (self->device == NULL) {
+        return dg_host_make(memory, size, model);
+    }
+    const struct dg_bus_side *side = dg_bus_side_of(self->device);
+    struct dg_host *host = dg_host_init(memory, size, self->device, side->wire);
+    if (host != NULL) {
+        dg_host_take_side(host, side);
+    }
+    return host;
+}
+
 /* An encoder without power, with these settings. @return NULL with an error */
 static struct dg_host *make_host(struct dg_hdl *self, const char *model, const char *settings)
 {
-    const size_t size = dg_host_size_of(model);
+    const size_t size = size_of(self, model);
     void *memory = size != 0 ? allocate(size) : NULL;
-    struct dg_host *host = memory != NULL ? dg_host_make(memory, size, model) : NULL;
+    struct dg_host *host = memory != NULL ? make_in(self, memory, size, model) : NULL;
 
     if (size == 0) {
         (void)hdl_fail(self, DG_HOST_ERR_NAME, "there is no model '%s'", model);
@@ -259,7 +278,7 @@ static int set_up(struct dg_hdl *self, const char *model, const char *settings, 
 {
     self->settings = usual;
     self->memory.fd = -1;
-    self->host = make_host(self, model, settings);
+    self->host = hdl_read_model(self, model) == 0 ? make_host(self, model, settings) : NULL;
     if (self->host == NULL) {
         return DG_HOST_ERR_ARGUMENT;
     }
@@ -300,5 +319,6 @@ void dg_hdl_close(struct dg_hdl *self)
     hdl_queue_free(&self->out);
     free(self->panel);
     free(self->host);
+    free(self->models);
     free(self);
 }

@@ -14,6 +14,8 @@
 #include <stdint.h>
 
 #include "drehgeber/host.h"
+#include "drehgeber/host_wire.h"
+#include "drehgeber/rig.h"
 #include "hdl.h"
 #include "motion_words.h"
 #include "nvm_file.h"
@@ -91,7 +93,10 @@ struct hdl_wire_ops {
 struct dg_hdl {
     struct hdl_settings settings;
     const struct hdl_wire_ops *wire;
-    struct dg_host *host; /**< owned, as the next one */
+    const struct dg_device *device; /**< of `plan`; NULL: one that is built in, by its name */
+    struct dg_plan plan;            /**< of a file of models, in ... */
+    void *models;                   /**< owned; NULL: no file was read */
+    struct dg_host *host;           /**< owned, as the next one */
     struct dg_host_panel *panel;
     struct hdl_control *control; /**< owned; NULL: none */
     struct lx_nvm_file memory;
@@ -118,6 +123,10 @@ struct dg_hdl {
 /** hdl.c: leave a line in `error`, printf style. @return `result` */
 int hdl_fail(struct dg_hdl *self, int result, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
+
+/** model_file.c: if MODEL names a file, read it: self->device is the model. @return 0, or -1 with
+ * an error */
+int hdl_read_model(struct dg_hdl *self, const char *model);
 
 /** A text from outside: NULL is "". */
 static inline const char *hdl_text(const char *text)

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: MIT
 """The masters against the models: those in Verilog in Icarus Verilog (wires.v), those in VHDL in GHDL (wires.vhd), on
 twelve wires that have every pair of clock, cable, processing time and chain, with a register each. test_matrix.py has
-the rest, in Verilator. A simulator that is missing fails.
+the rest, in Verilator. Encoders of files of models have masters of other widths (sold.v). A simulator that is missing
+fails.
 
 usage: with DREHGEBER_HDL, the folder of libdrehgeber_hdl.so
 """
@@ -37,10 +38,10 @@ def make_icarus(tmp_path_factory):
     call(folder, "iverilog-vpi", "--name=drehgeber", f"-I{MODELS}", MODELS / "drehgeber_vpi.c", f"-L{LIBRARY}",
          "-ldrehgeber_hdl")
 
-    def run(wire):
-        parameters = [f"-Pwires.{key}={value}" for key, value in wire.items()]
-        call(folder, "iverilog", "-g2005-sv", f"-I{MODELS}", "-s", "wires", *parameters, "-o", "wires.vvp",
-             BENCHES / "wires.v", *sorted(MODELS.glob("drehgeber_*.v")), *sorted(MODELS.glob("master/*.v")))
+    def run(wire, top="wires"):
+        parameters = [f"-P{top}.{key}={value}" for key, value in wire.items()]
+        call(folder, "iverilog", "-g2005-sv", f"-I{MODELS}", "-s", top, *parameters, "-o", "wires.vvp",
+             BENCHES / f"{top}.v", *sorted(MODELS.glob("drehgeber_*.v")), *sorted(MODELS.glob("master/*.v")))
         return call(folder, "vvp", "-M.", "-mdrehgeber", "wires.vvp")
 
     return run
@@ -67,3 +68,12 @@ def test_positions_and_registers(request, simulator, clock, cable, busy, chain):
             "SETTINGS": f"{quote}busy_us={busy}{quote}", "SEED": clock[1] + cable + chain}
     said = request.getfixturevalue(simulator)(wire)
     assert re.search(r"\bpassed [1-9]\d* checks in \d+ us$", said, re.M), said
+
+
+def test_encoders_of_files(icarus, tmp_path):
+    """26 and 32 bits over BiSS, of the catalogue; 40 bits over SSI."""
+    (tmp_path / "forty.ini").write_text("[model forty]\nbase = ssi-25\nmt = 16\nst = 24\n[model other]\nbase = ssi-13\n")
+    sold = BENCHES.parents[1] / "tools" / "models" / "renishaw.ini"
+    said = icarus({"NARROW": f'"{sold}:renishaw-resolute-26"', "WIDE": f'"{sold}"',
+                   "SSI": f'"{tmp_path}/forty.ini:forty"', "SEED": 3}, "sold")
+    assert re.search(r"^passed 67 checks in \d+ us$", said, re.M), said

@@ -1,0 +1,81 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Encoders of files of models in simulators.
+ */
+#define _GNU_SOURCE
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+#include "hdl.h"
+
+static void write_file(const char *path, const char *text)
+{
+    FILE *file = fopen(path, "w");
+
+    assert_non_null(file);
+    assert_true(fputs(text, file) >= 0);
+    assert_int_equal(fclose(file), 0);
+}
+
+/* MODEL names a file, and one of the models in it. */
+static void a_file_is_a_model(void **state)
+{
+    static const struct {
+        const char *behind;
+        const char *line; /* NULL: it is right */
+        int64_t position; /* of a quarter */
+    } rows[] = {
+        {"/trees.ini", NULL, 1 << 6},
+        {"/trees.ini:tree", NULL, 1 << 18},
+        {"/trees.ini:bush", "trees.ini has no model 'bush'; it has tree and twig", 0},
+        {"/none.ini", "none.ini: cannot open", 0},
+        {"/wrong.ini:tree", "wrong.ini:3: st 99: a number in 1..32 is right", 0},
+        {"/empty.ini", "empty.ini: without encoders", 0},
+        {"/trees", "there is no model '", 0},
+    };
+    char folder[] = "/tmp/drehgeber-hdl-XXXXXX";
+    char path[128];
+
+    (void)state;
+    assert_non_null(mkdtemp(folder));
+    (void)snprintf(path, sizeof path, "%s/trees.ini", folder);
+    write_file(path, "[model tree]\nbase = ssi-13\nst = 20\n[model twig]\nbase = tree\nst = 8\n");
+    (void)snprintf(path, sizeof path, "%s/wrong.ini", folder);
+    write_file(path, "[model tree]\nbase = ssi-13\nst = 99\n");
+    (void)snprintf(path, sizeof path, "%s/empty.ini", folder);
+    write_file(path, "");
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        (void)snprintf(path, sizeof path, "%s%s", folder, rows[i].behind);
+        struct dg_hdl *self = dg_hdl_open(path, "", "90DEG", "");
+        assert_non_null(self);
+        if (rows[i].line == NULL) {
+            assert_string_equal(dg_hdl_error(self), "");
+            assert_int_equal(dg_hdl_position(self, 0), rows[i].position);
+        } else {
+            assert_non_null(strstr(dg_hdl_error(self), rows[i].line));
+        }
+        dg_hdl_close(self);
+    }
+    for (size_t i = 0; i < 3; i++) {
+        static const char *const names[] = {"trees", "wrong", "empty"};
+        (void)snprintf(path, sizeof path, "%s/%s.ini", folder, names[i]);
+        (void)unlink(path);
+    }
+    (void)rmdir(folder);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_file_is_a_model),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
