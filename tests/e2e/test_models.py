@@ -64,6 +64,21 @@ def test_the_last_one_of_a_file(tmp_path):
     assert "ready tree-low sim:" in run("run", path, "--sim", "--time", "virtual:1S").stdout
 
 
+def test_one_of_a_file(tmp_path):
+    path = tmp_path / "trees.ini"
+    path.write_text(TREE)
+    assert asked("ssi", "tree", "--model", path, "read", "--shaft", "5.25REV") == "MT 5  ST 256  90.000000 deg\n"
+    assert "error 0" in asked("ssi", "tree-low", f"--model={path}", "read")
+    assert "ready tree-low sim:" in asked("run", "--model", path, "--sim", "--time", "virtual:1S")
+    assert "ready tree sim:" in asked("run", "tree", "--model", path, "--sim", "--time", "virtual:1S")
+    assert "const struct dg_device model_tree = " in asked("model", "tree", "--model", path, "--c")
+    for command in "run", "faults":
+        assert "trees.ini has no model ssi-13; right is one of: tree tree-low" in run_refused(2, command, "ssi-13", "--model", path)
+    assert "none.ini: cannot open" in run_refused(2, "run", "tree", "--model", tmp_path / "none.ini")
+    assert "trees.ini has no model bench.ini" in run_refused(2, "run", "bench.ini", "--model", path)
+    assert "list takes no option --model" in run_refused(2, "list", "--model", path)
+
+
 def test_a_folder_of_models(folder):
     assert "la26                     BiSS-C, linear, 26 bit\n" in asked("list", env=folder)
     listed = {row["model"]: row for row in json.loads(asked("list", "--json", env=folder))}

@@ -49,14 +49,14 @@ _drehgeber_options()
 {
     case $1 in
         list) echo " --json --help" ;;
-        faults) echo " --json --help" ;;
-        run) echo " --pty= --tty= --rs485= --sim --gpio= --can= --slcan= --socketcand= --silkit= --modbus= --ring= --nvm= --nvm-convert= --serial= --node= --shaft= --set= --control= --files= --trace= --time= --verbose --quiet --help --version" ;;
+        faults) echo " --model= --json --help" ;;
+        run) echo " --pty= --tty= --rs485= --sim --gpio= --can= --slcan= --socketcand= --silkit= --modbus= --ring= --model= --nvm= --nvm-convert= --serial= --node= --shaft= --set= --control= --files= --trace= --time= --verbose --quiet --help --version" ;;
         check) echo " --help" ;;
         eds) echo " --explain --help" ;;
-        model) echo " --c --help" ;;
-        biss) echo " --nvm= --serial= --shaft= --set= --trace= --help" ;;
-        ssi) echo " --shaft= --set= --trace= --help" ;;
-        map) echo " --ring= --help" ;;
+        model) echo " --model= --c --help" ;;
+        biss) echo " --model= --nvm= --serial= --shaft= --set= --trace= --help" ;;
+        ssi) echo " --model= --shaft= --set= --trace= --help" ;;
+        map) echo " --ring= --model= --help" ;;
         fmu) echo " --serial= --node= --set= --output= --fmi= --help" ;;
         ctl) echo " --control= --timeout= --help" ;;
         top) echo " --control= --help" ;;
@@ -78,6 +78,7 @@ _drehgeber_kind()
         --silkit) echo nothing ;;
         --modbus) echo nothing ;;
         --ring) echo ring ;;
+        --model) echo file ;;
         --nvm) echo file ;;
         --nvm-convert) echo nothing ;;
         --serial) echo nothing ;;

@@ -20,7 +20,7 @@ const struct command_row command_rows[] = {
         .command = COMMAND_FAULTS,
         .usage = "faults MODEL [--json]",
         .help = "what can happen to an encoder, and what it does about it",
-        .takes = " json ",
+        .takes = " json model ",
     },
     {
         .name = "run",
@@ -70,7 +70,7 @@ const struct command_row command_rows[] = {
         .command = COMMAND_MODEL,
         .usage = "model MODEL --c",
         .help = "a model as C, for a program of your own",
-        .takes = " c ",
+        .takes = " c model ",
     },
     {
         .name = "biss",
@@ -78,7 +78,7 @@ const struct command_row command_rows[] = {
         .usage = "biss MODEL ACTION [OPTIONS]",
         .help = "ask a BiSS encoder over a simulated wire; ACTION, one or more: read, registers "
                 "[BANK:]ADDR N, eds, write [BANK:]ADDR BYTES, command N",
-        .takes = " set nvm serial shaft trace ",
+        .takes = " set nvm serial shaft trace model ",
         .ask = biss_command,
         .stack = &dg_biss_stack,
         .words = "read registers eds write command",
@@ -88,7 +88,7 @@ const struct command_row command_rows[] = {
         .command = COMMAND_ASK,
         .usage = "ssi MODEL read [OPTIONS]",
         .help = "read an SSI encoder over a simulated wire",
-        .takes = " set shaft trace ",
+        .takes = " set shaft trace model ",
         .ask = ssi_command,
         .stack = &dg_ssi_stack,
         .words = "read",
@@ -98,7 +98,7 @@ const struct command_row command_rows[] = {
         .command = COMMAND_MAP,
         .usage = "map MODEL",
         .help = "the Modbus registers of an INTERBUS encoder",
-        .takes = " ring ",
+        .takes = " ring model ",
         .stack = &dg_ib_stack,
     },
     {

@@ -239,6 +239,7 @@ static const struct {
     {KEY_LISTEN, offsetof(struct options, listen)},
     {KEY_TOKEN, offsetof(struct options, token)},
     {KEY_TIMEOUT, offsetof(struct options, timeout)},
+    {KEY_MODEL, offsetof(struct options, models)},
 };
 #define TEXT_COUNT DG_COUNT(texts)
 

@@ -65,6 +65,7 @@ struct options {
     enum command command;
     const struct command_row *row;  /* its row, for help the one that is asked about; may be NULL */
     const char *model;              /* or the rig file */
+    const char *models;             /* the file that has it */
     const struct dg_device *device; /* that `model` names: built-in, or of `file`; NULL: none */
     const struct dg_plan_model *text; /* its section, of `file`; NULL: it is built in */
     struct model_file *file;          /* owned; `model` as a file, or all that may have it; NULL */

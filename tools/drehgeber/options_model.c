@@ -7,18 +7,51 @@
 #include "models.h"
 #include "options.h"
 
+#include <string.h>
+
+/* @return whether the file is there; its error is kept otherwise */
+static bool read_file(struct options *self, const char *path)
+{
+    self->file = models_read(path);
+    if (self->file == NULL) {
+        (void)lx_fail(&self->unread, "%s: no memory", path);
+        return false;
+    }
+    self->unread = self->file->unread;
+    return self->file->plan.memory != NULL;
+}
+
 /* A file of nothing but models stands for the last one of them; one with encoders is a rig. */
 static void read_model(struct options *self)
 {
-    self->file = models_read(self->model);
-    if (self->file == NULL) {
-        (void)lx_fail(&self->unread, "%s: no memory", self->model);
+    const struct dg_plan *plan = read_file(self, self->model) ? &self->file->plan : NULL;
+    if (plan != NULL && plan->encoder_count == 0) {
+        self->text = &plan->models[plan->model_count - 1u];
+    }
+}
+
+/* One of the models of --model. */
+static void choose_model(struct options *self)
+{
+    struct lx_words right = {"right is one of:"};
+    if (!read_file(self, self->models)) {
         return;
     }
     const struct dg_plan *plan = &self->file->plan;
-    self->unread = self->file->unread;
-    if (plan->memory != NULL && plan->encoder_count == 0) {
-        self->text = &plan->models[plan->model_count - 1u];
+    for (size_t i = 0; i < plan->model_count; i++) {
+        const char *name = plan->models[i].device->name;
+        const bool last = i + 1u == plan->model_count;
+        if (self->model == NULL ? last : strcmp(self->model, name) == 0) {
+            self->text = &plan->models[i];
+            self->model = name;
+            return;
+        }
+        lx_words_add(&right, " %s", name);
+    }
+    if (plan->model_count == 0) {
+        (void)lx_fail(&self->unread, "%s has no models", self->models);
+    } else {
+        (void)lx_refuse(&self->unread, right.text, "%s has no model %s", self->models, self->model);
     }
 }
 
@@ -43,7 +76,12 @@ int options_find_model(struct options *self)
 {
     const bool asked = self->row != NULL && self->command != COMMAND_CTL &&
                        self->command != COMMAND_TOP && self->command != COMMAND_WEB;
-    if (self->model == NULL || !asked) {
+    if (!asked || (self->model == NULL && self->models == NULL)) {
+        return 0;
+    }
+    if (self->models != NULL) {
+        choose_model(self);
+        self->device = self->text == NULL ? NULL : self->text->device;
         return 0;
     }
     if (eds_file_is(self->model)) {

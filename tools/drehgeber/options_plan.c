@@ -378,8 +378,8 @@ static const char *not_with_rig(const struct options *options)
 /* A file of models is none: it says what MODEL is. */
 static bool is_rig_file(const struct options *self)
 {
-    return self->model != NULL && self->device == NULL && !eds_file_is(self->model) &&
-           models_is_file(self->model);
+    return self->model != NULL && self->models == NULL && self->device == NULL &&
+           !eds_file_is(self->model) && models_is_file(self->model);
 }
 
 /* What nobody could read may be a file of models: what is wrong in it is said first. */

@@ -15,6 +15,12 @@ const struct argp_option option_rows[] = {
         .doc = "INTERBUS: all encoders of the ring, with commas between them",
     },
     {
+        .name = "model",
+        .key = KEY_MODEL,
+        .arg = "FILE",
+        .doc = "a file of models: MODEL is one of them (default: the last one)",
+    },
+    {
         .name = "nvm",
         .key = KEY_NVM,
         .arg = "FILE",

@@ -21,6 +21,7 @@ enum option_key {
     KEY_WATCH,
     KEY_TIMEOUT,
     KEY_C,
+    KEY_MODEL,
     KEY_JSON,
     KEY_EXPLAIN,
     KEY_RING,
