@@ -193,9 +193,11 @@ struct dg_plan {
     size_t source_count;
     struct dg_plan_piece *pieces; /* lines in a row of one file; none: all are of `file` */
     size_t piece_count;
-    unsigned char *at;  /* free memory */
-    unsigned char *end; /* behind it */
-    bool out;           /* there was not enough */
+    unsigned char *at;                                                  /* free memory */
+    unsigned char *end;                                                 /* behind it */
+    bool out;                                                           /* there was not enough */
+    const struct dg_device *(*find_model)(void *ctx, const char *name); /* as in dg_plan_setup */
+    void *ctx;
 };
 
 /* ---------------------------------------------------------------- errors */
@@ -242,6 +244,9 @@ struct dg_plan_setup {
      * words */
     const char *(*include)(void *ctx, const char *path, struct dg_plan_text *to);
     void *ctx;
+    /** A model that is neither built in nor a section above, for as long as the plan is used; NULL:
+     * none is called so. NULL: there are no others. */
+    const struct dg_device *(*find_model)(void *ctx, const char *name);
 };
 
 /**

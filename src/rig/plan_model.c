@@ -13,7 +13,9 @@ const struct dg_device *dg_plan_find_model(const struct dg_plan *self, const cha
     const int at =
         dg_plan_names_find(self, &(struct dg_plan_name){.list = RIG_MODEL, .text = name});
 
-    return at < 0 ? dg_device_find(name) : self->models[at].device;
+    const struct dg_device *device = at < 0 ? dg_device_find(name) : self->models[at].device;
+
+    return device == NULL && self->find_model != NULL ? self->find_model(self->ctx, name) : device;
 }
 
 static void say_models(const struct dg_plan *plan, struct dg_text *to)

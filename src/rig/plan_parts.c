@@ -364,7 +364,11 @@ int dg_plan_read(struct dg_plan *self, const struct dg_plan_setup *setup,
     }
     dg_plan_begin(self, setup->memory, setup->memory_size);
     self->file = setup->file;
-    if (read_all(&in) == 0) {
+    self->find_model = setup->find_model;
+    self->ctx = setup->ctx;
+    const int result = read_all(&in);
+    self->find_model = NULL; /* whoever finds them has gone when this returns */
+    if (result == 0) {
         return DG_OK;
     }
     const bool out = self->out;

@@ -180,6 +180,21 @@ def test_the_users_own_goes_before_it(tmp_path):
     assert "rls-la11-26: BiSS-C, linear, 26 bit" in asked("run", "rls-la11-26", "--help", env=own)
 
 
+def test_a_rig_names_what_is_sold(folder, tmp_path):
+    """... and what is in the user's folder, as an encoder's model and as a base; its own names go first."""
+    path = tmp_path / "bench.ini"
+    path.write_text("[model mine]\nbase = rls-la11-26\nst = 24\n[model la26]\nbase = ssi-13\n"
+                    "[encoder a]\nmodel = renishaw-resolute-32\nwire = sim\n[encoder b]\nmodel = mine\nwire = sim\n"
+                    "[encoder c]\nmodel = tree\nwire = sim\n[encoder d]\nmodel = la26\nwire = sim\n")
+    said = asked("run", path, "--time", "virtual:1S", env=folder)
+    for name, model in ("a", "renishaw-resolute-32"), ("b", "mine"), ("c", "tree"), ("d", "la26"):
+        assert f"ready {model} sim: {name}\n" in said
+    path.write_text("[model mine]\nbase = rls-la11-26\nst = 20\n")
+    assert asked("biss", path, "read", "--shaft", "90DEG", env=folder).startswith("MT 0  ST 262144 ")
+    path.write_text("[encoder a]\nmodel = renishaw-resolute-33\nwire = sim\n")
+    assert "bench.ini:2: model: renishaw-resolute-33 is none; right is one of:" in run_refused(2, "run", path, env=folder)
+
+
 def test_it_is_found_where_it_is_installed(tmp_path):
     """bin/drehgeber has its catalogue in share/drehgeber/models; without one there is none."""
     program = tmp_path / "bin" / "drehgeber"

@@ -134,6 +134,42 @@ static void models_on_models(void **state)
     assert_string_equal(bench.error.what, "d stands on 4 models already");
 }
 
+static const struct dg_device *find_lent(void *ctx, const char *name)
+{
+    static const struct dg_device lent = {"lent", "SSI", "of somebody", &dg_ssi_stack, NULL, 0};
+    struct dg_device *made = ctx;
+    *made = lent;
+    made->model = dg_ssi_25.model;
+    return strcmp(name, "lent") == 0 ? made : NULL;
+}
+
+/* Models that a host has besides: behind those of the file, and as a base. */
+static void models_of_the_host(void **state)
+{
+    static struct bench bench;
+    static struct dg_device lent;
+    static const char text[] =
+        "[model own]\nbase = lent\nst = 14\n[encoder a]\nmodel = lent\nwire = sim\n";
+    struct dg_plan_setup setup = {
+        .size = sizeof setup,
+        .file = "lab/bench.ini",
+        .text = {text, sizeof text - 1u},
+        .memory = bench.memory,
+        .memory_size = MEMORY_SIZE,
+        .ctx = &lent,
+        .find_model = find_lent,
+    };
+    (void)state;
+    assert_int_equal(dg_plan_read(&bench.plan, &setup, &bench.error), DG_OK);
+    assert_ptr_equal(bench.plan.encoders[0].model, &lent);
+    assert_int_equal(dg_ssi_model_of(bench.plan.models[0].device)->singleturn_bits, 14);
+    assert_int_equal(dg_ssi_model_of(bench.plan.models[0].device)->multiturn_bits, 12);
+    assert_null(dg_plan_find_model(&bench.plan, "lent")); /* nobody is asked any more */
+    setup.find_model = NULL;
+    assert_int_equal(dg_plan_read(&bench.plan, &setup, &bench.error), DG_ERR_ARGUMENT);
+    assert_string_equal(bench.error.what, "lent is none");
+}
+
 static void names_that_are_taken(void **state)
 {
     static struct bench bench;
@@ -279,11 +315,12 @@ static void memory_of_any_size(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(figures_of_a_copy),         cmocka_unit_test(an_encoder_of_a_text),
-        cmocka_unit_test(models_on_models),          cmocka_unit_test(names_that_are_taken),
-        cmocka_unit_test(bases_that_are_none),       cmocka_unit_test(figures_that_are_none),
-        cmocka_unit_test(what_is_inherited),         cmocka_unit_test(figures_that_do_not_fit),
-        cmocka_unit_test(a_catalogue_has_no_shafts), cmocka_unit_test(memory_of_any_size),
+        cmocka_unit_test(figures_of_a_copy),       cmocka_unit_test(an_encoder_of_a_text),
+        cmocka_unit_test(models_on_models),        cmocka_unit_test(models_of_the_host),
+        cmocka_unit_test(names_that_are_taken),    cmocka_unit_test(bases_that_are_none),
+        cmocka_unit_test(figures_that_are_none),   cmocka_unit_test(what_is_inherited),
+        cmocka_unit_test(figures_that_do_not_fit), cmocka_unit_test(a_catalogue_has_no_shafts),
+        cmocka_unit_test(memory_of_any_size),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

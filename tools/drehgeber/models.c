@@ -40,11 +40,24 @@ static struct model_file *make_file(const char *path)
     return self;
 }
 
+/* The folders are read once, and only if the file has a name that is not its own. */
+static const struct dg_device *find_other(void *ctx, const char *name)
+{
+    struct model_file *self = ctx;
+    struct lx_error error;
+    if (self->others == NULL) {
+        self->others = models_read_all();
+    }
+    const struct dg_plan_model *row = models_find(self->others, name, &error);
+    return row == NULL ? NULL : row->device;
+}
+
 struct model_file *models_read(const char *path)
 {
     struct model_file *self = make_file(path);
+    const struct lx_plan_shelf shelf = {find_other, self};
     if (self != NULL) {
-        (void)lx_plan_read(&self->plan, self->path, &self->unread);
+        (void)lx_plan_read_with(&self->plan, self->path, &shelf, &self->unread);
     }
     return self;
 }
@@ -221,8 +234,8 @@ const struct dg_plan_model *models_find(const struct model_file *list, const cha
 void models_free(struct model_file *self)
 {
     while (self != NULL) {
-        struct model_file *next = self->next;
-        lx_plan_free(&self->plan);
+        struct model_file *next = self->others == NULL ? self->next : self->others;
+        lx_plan_free(&self->plan); /* one that has others is not in a list itself */
         free(self);
         self = next;
     }

@@ -16,17 +16,18 @@
 
 /* A rig file that was read; its models are there as long as it is. */
 struct model_file {
-    struct model_file *next; /* of a list; NULL: the last one */
-    bool sold;               /* it is of the catalogue */
-    struct dg_plan plan;     /* without memory: it could not be read */
-    struct lx_error unread;  /* why; also of a folder, which has no models then */
+    struct model_file *next;   /* of a list; NULL: the last one */
+    bool sold;                 /* it is of the catalogue */
+    struct dg_plan plan;       /* without memory: it could not be read */
+    struct model_file *others; /* owned: those whose models it may name; NULL: nobody has asked */
+    struct lx_error unread;    /* why; also of a folder, which has no models then */
     char path[];
 };
 
 /* Whether `name` is that of a file, as no model's is: it ends in .ini, or has a folder. */
 bool models_is_file(const char *name);
 
-/* Read it. NULL without memory. */
+/* Read it; it may name models of both folders. NULL without memory. */
 struct model_file *models_read(const char *path);
 
 /* Read all files of both folders, the user's first, each in the order of their names. NULL: there

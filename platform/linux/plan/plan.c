@@ -71,6 +71,7 @@ struct including {
     const char *file;        /* the first one */
     struct lx_folder folder; /* which it lies in, once another one is included */
     struct text *texts;
+    const struct lx_plan_shelf *shelf; /* NULL: there are no other models */
     struct lx_error error;
 };
 
@@ -123,6 +124,12 @@ static const char *include_file(void *ctx, const char *path, struct dg_plan_text
     return reason == 0 && stream != NULL ? NULL : self->error.what;
 }
 
+static const struct dg_device *find_on_shelf(void *ctx, const char *name)
+{
+    const struct including *self = ctx;
+    return self->shelf->find_model(self->shelf->ctx, name);
+}
+
 /* --- the plan --- */
 
 int lx_plan_make(struct dg_plan *self, struct lx_error *error)
@@ -158,15 +165,16 @@ static int read_plan(struct dg_plan *self, struct dg_plan_setup *setup, struct l
 }
 
 static int read_text(struct dg_plan *self, const char *file, const struct text *text,
-                     struct lx_error *error)
+                     const struct lx_plan_shelf *shelf, struct lx_error *error)
 {
-    struct including including = {.file = file, .folder = LX_FOLDER_NONE};
+    struct including including = {.file = file, .folder = LX_FOLDER_NONE, .shelf = shelf};
     struct dg_plan_setup setup = {
         .size = sizeof setup,
         .file = file,
         .text = {text->bytes, text->n},
         .include = include_file,
         .ctx = &including,
+        .find_model = shelf == NULL ? NULL : find_on_shelf,
     };
     const int result = read_plan(self, &setup, error);
     lx_folder_close(&including.folder);
@@ -176,6 +184,12 @@ static int read_text(struct dg_plan *self, const char *file, const struct text *
 
 int lx_plan_read(struct dg_plan *self, const char *file, struct lx_error *error)
 {
+    return lx_plan_read_with(self, file, NULL, error);
+}
+
+int lx_plan_read_with(struct dg_plan *self, const char *file, const struct lx_plan_shelf *shelf,
+                      struct lx_error *error)
+{
     struct text text = {.n = 0};
     FILE *stream = fopen(file, "re");
     *self = (struct dg_plan){.file = NULL};
@@ -184,7 +198,7 @@ int lx_plan_read(struct dg_plan *self, const char *file, struct lx_error *error)
     }
     const int reason = read_stream(&text, stream, SIZE_MAX);
     (void)fclose(stream);
-    const int result = reason == 0 ? read_text(self, file, &text, error)
+    const int result = reason == 0 ? read_text(self, file, &text, shelf, error)
                                    : lx_fail(error, "%s: cannot read: %s", file, strerror(reason));
     free(text.bytes);
     return result;

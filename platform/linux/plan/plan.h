@@ -19,6 +19,17 @@
  */
 int lx_plan_read(struct dg_plan *self, const char *file, struct lx_error *error);
 
+/** Models besides those that are built in and those of the file. */
+struct lx_plan_shelf {
+    /** The one called `name`, for as long as the plan is used; NULL: there is none. */
+    const struct dg_device *(*find_model)(void *ctx, const char *name);
+    void *ctx;
+};
+
+/** The same of a file that may name them. */
+int lx_plan_read_with(struct dg_plan *self, const char *file, const struct lx_plan_shelf *shelf,
+                      struct lx_error *error);
+
 /** An empty plan with memory for what a command line says. @return 0, or -1 with `error` */
 int lx_plan_make(struct dg_plan *self, struct lx_error *error);
 
