@@ -46,7 +46,7 @@ def test_a_page_has_what_help_has():
     said = run("run", "--help").stdout + run("--help").stdout
     options = set(re.findall(r"--[a-z]+(?:\[=\w+\]|=\S+)?(?=  )", said))
     assert len(options) > 15
-    for option in options - {"--json", "--output=FILE", "--fmi=VERSION", "--listen=HOST:PORT", "--token=FILE", "--watch",
+    for option in options - {"--json", "--explain", "--output=FILE", "--fmi=VERSION", "--listen=HOST:PORT", "--token=FILE", "--watch",
                              "--timeout=SPAN"}:
         assert option in text, option
     keys = set(re.findall(r"^  ([a-z]+_[a-z_]+)  ", said, re.M))
