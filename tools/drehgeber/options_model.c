@@ -72,6 +72,13 @@ static int open_eds(struct options *self)
     return 0;
 }
 
+/* Commands that have more to say of a file than its encoder; and help waits for no stdin. */
+static bool reads_eds_itself(const struct options *self)
+{
+    return self->row->command == COMMAND_CHECK || self->row->command == COMMAND_EDS ||
+           (self->command == COMMAND_HELP && strcmp(self->model, "-") == 0);
+}
+
 int options_find_model(struct options *self)
 {
     const bool asked = self->row != NULL && self->command != COMMAND_CTL &&
@@ -85,10 +92,7 @@ int options_find_model(struct options *self)
         return 0;
     }
     if (eds_file_is(self->model)) {
-        const bool later = self->row->command == COMMAND_CHECK ||
-                           self->row->command == COMMAND_EDS ||
-                           (self->command == COMMAND_HELP && strcmp(self->model, "-") == 0);
-        return later ? 0 : open_eds(self);
+        return reads_eds_itself(self) ? 0 : open_eds(self);
     }
     self->device = dg_device_find(self->model);
     if (self->device == NULL && models_is_file(self->model)) {
