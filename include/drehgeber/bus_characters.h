@@ -64,6 +64,12 @@ struct dg_characters_end {
 DG_API void dg_bus_characters_set(struct dg_bus *self, size_t place,
                                   const struct dg_characters_end *end);
 
+/** A UART does the timing of this line (dg_characters_setup.whole, so it is not paced): for a host
+ * that only knows when its port is open, before anything is on the line. */
+DG_API void dg_bus_characters_whole(struct dg_bus *self,
+                                    void (*whole)(void *ctx, size_t place, dg_ns at,
+                                                  const uint8_t *bytes, size_t n));
+
 /** The edge of a start bit of the master at `at`, for hosts that see it; its character comes by
  * dg_bus_rx() when it is over. Not on a paced line, which knows. @return as dg_bus_rx() */
 DG_API dg_ns dg_bus_characters_start(struct dg_bus *self, dg_ns at);

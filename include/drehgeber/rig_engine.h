@@ -54,6 +54,18 @@ struct dg_engine_line {
     struct dg_plan_simulation simulation;
 };
 
+/** Settings of an encoder's end of a line of characters. */
+struct dg_engine_end {
+    bool pace;     /**< requests and replies take the time they take on a line */
+    bool any_line; /**< whatever the line is set to is right */
+};
+
+/** Rows of an encoder's end, for help and messages; what they set is a struct dg_engine_end. Media
+ * of which nothing can be set have none. */
+DG_API extern const struct dg_keys dg_engine_end_keys[DG_MEDIUM_COUNT];
+/** As nobody has set it. */
+DG_API extern const struct dg_engine_end dg_engine_end_usual;
+
 /** A wire before its bus is made. It is filled by the plan, and the host may change it. */
 struct dg_engine_wire {
     const struct dg_plan_wire *plan;
@@ -72,8 +84,9 @@ struct dg_engine_wire {
 struct dg_engine_setup {
     size_t size; /**< sizeof(struct dg_engine_setup) */
     const struct dg_plan *plan;
-    dg_ns begin;          /**< motions begin then, and TIME? counts from there */
-    bool memory_is_host;  /**< the host has all EEPROMs (dg_host_memory_port()): no room for them */
+    dg_ns begin;         /**< motions begin then, and TIME? counts from there */
+    bool memory_is_host; /**< the host has all EEPROMs (dg_host_memory_port()): there is no room for
+                              them here, and which encoders have none is the host's to say */
     uint16_t frames_wait; /**< room for frames that wait, on each bus of frames; 0: as much as a
                                fast wire and its faults need, 140 kB of which nothing is touched
                                before it is used */
@@ -83,13 +96,15 @@ struct dg_engine_setup {
     const struct dg_instrument *const *instruments;
     size_t instrument_count;
     const struct dg_rig_ops *ops; /**< of the control plane; NULL: dg_engine_ops */
-    /** Wire `index` of the plan is about to be made. NULL: each is made as it stands. */
-    void (*wire)(void *ctx, size_t index, struct dg_engine_wire *to);
+    /** Wire `index` of the plan is about to be made: its own settings are understood, those of its
+     * encoders are not yet. @return 0, or anything else with `error`. NULL: each is made as it
+     * stands */
+    int (*wire)(void *ctx, size_t index, struct dg_engine_wire *to, struct dg_plan_error *error);
     /** Rows of the host's own for encoder `index`, whose settings are `settings`; one that has the
      * name of a row of the encoder takes its place. @return what they are about. NULL: none */
     void *(*rows)(void *ctx, size_t index, void *settings, struct dg_keys *rows);
-    /** Whether settings that are right one by one go together. @return 0, or anything else with
-     * `error`. NULL: the encoder says it, in few words. */
+    /** Whether settings that are right one by one go together, and with the wire. @return 0, or
+     * anything else with `error`. NULL: the encoder says it, in few words. */
     int (*check)(void *ctx, size_t index, const void *settings, struct dg_plan_error *error);
     /** The motion of the file `path`, which the plan names for shaft `index`. Its points stay while
      * the rig does. @return as `check`. NULL: files are refused, likewise below */
@@ -130,6 +145,11 @@ DG_API struct dg_engine *dg_engine_make(void *memory, size_t size,
  * @return 0, or DG_ERR_ARGUMENT with `error`: an encoder does not start */
 DG_API int dg_engine_power(struct dg_engine *self, dg_ns now, struct dg_plan_error *error);
 
+/** Switch encoder `index` alone on, for a host whose doors open one by one. Its bus hears of it by
+ * dg_bus_changed() behind it. @return as above */
+DG_API int dg_engine_power_encoder(struct dg_engine *self, size_t index, dg_ns now,
+                                   struct dg_plan_error *error);
+
 /**
  * Let time pass up to `now`: on every wire, for faults that end, each at its own moment. What wires
  * carry is told wire by wire; a host that wants all of it in the order of time goes on to
@@ -150,11 +170,23 @@ DG_API struct dg_host *dg_engine_encoder(const struct dg_engine *self, size_t in
 /** Its place on its bus. */
 DG_API size_t dg_engine_place(const struct dg_engine *self, size_t index);
 
+/** Its end of the line. */
+DG_API struct dg_engine_end dg_engine_end_of(const struct dg_engine *self, size_t index);
+
 /** What clients of the control plane work on, for dg_control_init(). Encoders and shafts have the
  * order of the plan; encoder->port is the host's to set. */
 DG_API struct dg_rig *dg_engine_control(struct dg_engine *self);
 /** What was handed over as dg_engine_setup.ctx, for operations of the host's own. */
 DG_API void *dg_engine_ctx(const struct dg_rig *rig);
+/** Index in the plan of one of its encoders. */
+DG_API size_t dg_engine_index(const struct dg_rig *rig, const struct dg_encoder *encoder);
+/** Index in the plan of one of its shafts. */
+DG_API size_t dg_engine_shaft_index(const struct dg_rig *rig, const struct dg_rig_shaft *shaft);
+
+/** Understand the settings of a wire itself; what is not set is as it is in `line`.
+ * @return 0, or -1 with `error` */
+DG_API int dg_engine_line_read(const struct dg_plan *plan, const struct dg_plan_wire *wire,
+                               struct dg_engine_line *line, struct dg_plan_error *error);
 
 /**
  * What the control plane of an engine does by itself: power, world, faults, motions in words,

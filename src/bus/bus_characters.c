@@ -475,6 +475,13 @@ void dg_bus_characters_set(struct dg_bus *self, size_t place, const struct dg_ch
     characters_place_at(self, place)->end = *end;
 }
 
+void dg_bus_characters_whole(struct dg_bus *self, void (*whole)(void *ctx, size_t place, dg_ns at,
+                                                                const uint8_t *bytes, size_t n))
+{
+    characters_line_of(self)->setup.whole = whole;
+    characters_line_of(self)->setup.paced = false;
+}
+
 dg_ns dg_bus_characters_start(struct dg_bus *self, dg_ns at)
 {
     dg_bus_run_until(self, at);

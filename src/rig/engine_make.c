@@ -172,19 +172,23 @@ static void hear_nobody(void *ctx, size_t place, const struct dg_tap_event *even
     (void)event;
 }
 
+static struct dg_engine_line line_usual(void)
+{
+    return (struct dg_engine_line){.pace = dg_plan_pace_usual,
+                                   .timing = dg_plan_timing_usual,
+                                   .ring = dg_plan_ring_usual,
+                                   .simulation = dg_plan_simulation_usual};
+}
+
 /* As the plan has it; what waits and what comes in lies behind the bus. */
 static void describe_wire(const struct dg_engine *self, struct engine_wire *wire, void *room)
 {
     static const struct dg_bus_ops nobody = {.tx = hear_nobody};
     struct dg_engine_wire *is = &wire->is;
     const size_t count = is->plan->encoder_count;
-    bool paced = true;
 
-    for (size_t i = wire->first; i != ENGINE_NOBODY; i = self->encoders[i].next) {
-        paced = paced && self->encoders[i].end.pace;
-    }
     is->ops = &nobody;
-    is->characters = (struct dg_characters_setup){.size = sizeof is->characters, .paced = paced};
+    is->characters = (struct dg_characters_setup){.size = sizeof is->characters, .paced = true};
     is->frames = (struct dg_bus_frames_setup){.size = sizeof is->frames,
                                               .room = room,
                                               .rooms = dg_engine_rooms(&self->setup, count),
@@ -261,29 +265,47 @@ static int attach_all(struct dg_engine *self, const struct engine_wire *wire,
     return 0;
 }
 
-/* @param memory of its bus, which `room` is behind */
+/* Its own settings, and the door. Behind the memory of the bus is its room. */
+static int begin_wire(struct dg_engine *self, size_t index, uint8_t *memory,
+                      struct dg_plan_error *error)
+{
+    const struct dg_plan_wire *plan = &self->setup.plan->wires[index];
+    struct engine_wire *wire = &self->wires[index];
+    uint8_t *room = memory + dg_engine_bus_size(plan);
+
+    wire->is.plan = plan;
+    wire->is.line = line_usual();
+    if (dg_engine_line_read(self->setup.plan, plan, &wire->is.line, error) != 0) {
+        return -1;
+    }
+    memset(room, 0,
+           plan->stack->medium == DG_MEDIUM_WORDS ? dg_engine_room_size(&self->setup, plan) : 0);
+    describe_wire(self, wire, room);
+    return self->setup.wire == NULL ? 0
+                                    : self->setup.wire(self->setup.ctx, index, &wire->is, error);
+}
+
+/* One that does not mind its pace speaks for its whole line. */
+static int set_encoders(struct dg_engine *self, struct engine_wire *wire,
+                        struct dg_plan_error *error)
+{
+    for (size_t i = wire->first; i != ENGINE_NOBODY; i = self->encoders[i].next) {
+        if (dg_engine_set_encoder(self, i, error) != 0) {
+            return -1;
+        }
+        wire->is.characters.paced = wire->is.characters.paced && self->encoders[i].end.pace;
+    }
+    return 0;
+}
+
+/* @param memory of its bus and what is behind it */
 static int make_wire(struct dg_engine *self, size_t index, uint8_t *memory,
                      struct dg_plan_error *error)
 {
     struct engine_wire *wire = &self->wires[index];
 
-    wire->is.plan = &self->setup.plan->wires[index];
-    if (dg_engine_set_line(self, index, &wire->is.line, error) != 0) {
+    if (begin_wire(self, index, memory, error) != 0 || set_encoders(self, wire, error) != 0) {
         return -1;
-    }
-    for (size_t i = wire->first; i != ENGINE_NOBODY; i = self->encoders[i].next) {
-        if (dg_engine_set_encoder(self, i, error) != 0) {
-            return -1;
-        }
-    }
-    uint8_t *room = memory + dg_engine_bus_size(wire->is.plan);
-    memset(room, 0,
-           wire->is.plan->stack->medium == DG_MEDIUM_WORDS
-               ? dg_engine_room_size(&self->setup, wire->is.plan)
-               : 0);
-    describe_wire(self, wire, room);
-    if (self->setup.wire != NULL) {
-        self->setup.wire(self->setup.ctx, index, &wire->is);
     }
     if (make_bus(wire, memory) != 0) {
         (void)dg_plan_refuse(error, NULL,

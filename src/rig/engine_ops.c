@@ -15,11 +15,6 @@ static const struct engine_encoder *view_of(const struct dg_encoder *encoder)
     return encoder->host;
 }
 
-static size_t index_of(const struct dg_engine *self, const struct dg_encoder *encoder)
-{
-    return (size_t)(view_of(encoder) - self->encoders);
-}
-
 static int refuse(enum dg_scpi_error code, char *detail, const char *text)
 {
     struct dg_text to = dg_text_in(detail, DG_SCPI_DETAIL_MAX + 1u);
@@ -79,7 +74,7 @@ static void say_address(const struct dg_engine *self, size_t index, struct dg_te
 static const char *wire(struct dg_rig *control, const struct dg_encoder *encoder)
 {
     struct dg_engine *self = engine_of(control);
-    const size_t index = index_of(self, encoder);
+    const size_t index = dg_engine_index(control, encoder);
     struct dg_text to = dg_text_in(self->address, sizeof self->address);
 
     if (self->setup.address != NULL) {
@@ -143,7 +138,7 @@ static void counters(struct dg_rig *control, const struct dg_encoder *encoder, s
     const enum dg_medium medium = encoder->model->stack->medium;
 
     if (self->setup.counters != NULL) {
-        self->setup.counters(self->setup.ctx, index_of(self, encoder), to);
+        self->setup.counters(self->setup.ctx, dg_engine_index(control, encoder), to);
     }
     if (rows[medium] != NULL) {
         rows[medium](dg_engine_bus_of(self, view_of(encoder)), view_of(encoder)->place, to);

@@ -27,17 +27,11 @@ struct engine_shaft {
     char profile[ENGINE_PROFILE_MAX]; /**< the motion that is played */
 };
 
-/** How an encoder is at its end of a line of characters. */
-struct engine_end {
-    bool pace;     /**< requests and replies take the time they take on a line */
-    bool any_line; /**< whatever the line is set to is right */
-};
-
 /** An encoder. */
 struct engine_encoder {
     struct dg_encoder control; /**< first: the control plane's */
     struct dg_host *host;
-    struct engine_end end;
+    struct dg_engine_end end;
     size_t place; /**< on its wire */
     size_t next;  /**< the one behind it there; ENGINE_NOBODY */
 };
@@ -75,11 +69,9 @@ const struct dg_bus_medium *dg_engine_medium(const struct dg_plan_wire *wire);
  * made. */
 void dg_engine_lay_out(struct dg_engine *self, const struct dg_engine_setup *setup);
 
-/** engine_settings.c: what the plan says of an encoder becomes its settings, of a wire its line.
+/** engine_settings.c: what the plan says of an encoder becomes its settings.
  * @return 0, or -1 with `error` */
 int dg_engine_set_encoder(struct dg_engine *self, size_t index, struct dg_plan_error *error);
-int dg_engine_set_line(const struct dg_engine *self, size_t index, struct dg_engine_line *line,
-                       struct dg_plan_error *error);
 
 /** All are made: quantities that follow a course begin to. @return as above */
 int dg_engine_begin_courses(struct dg_engine *self, struct dg_plan_error *error);

@@ -22,18 +22,26 @@ static int refuse_start(const struct dg_engine *self, size_t index, int result,
     return DG_ERR_ARGUMENT;
 }
 
+int dg_engine_power_encoder(struct dg_engine *self, size_t index, dg_ns now,
+                            struct dg_plan_error *error)
+{
+    struct engine_encoder *encoder = &self->encoders[index];
+    const int result = dg_host_power(encoder->host, now, true);
+
+    if (result != DG_HOST_OK) {
+        return refuse_start(self, index, result, error);
+    }
+    encoder->control.device = dg_host_line_of(encoder->host)->device;
+    encoder->control.nvm = dg_host_setup(encoder->host).nvm;
+    return 0;
+}
+
 int dg_engine_power(struct dg_engine *self, dg_ns now, struct dg_plan_error *error)
 {
     for (size_t i = 0; i < self->control.encoder_count; i++) {
-        struct engine_encoder *encoder = &self->encoders[i];
-        const int result = dg_host_power(encoder->host, now, true);
-        if (result != DG_HOST_OK) {
-            return refuse_start(self, i, result, error);
+        if (dg_engine_power_encoder(self, i, now, error) != 0) {
+            return DG_ERR_ARGUMENT;
         }
-        const struct dg_stack_setup setup = dg_host_setup(encoder->host);
-        encoder->control.device = dg_host_line_of(encoder->host)->device;
-        encoder->control.nvm = setup.nvm;
-        encoder->control.serial = setup.serial;
     }
     for (size_t i = 0; i < self->control.encoder_count; i++) {
         (void)dg_bus_changed(dg_engine_bus_of(self, &self->encoders[i]), self->encoders[i].place,
@@ -112,6 +120,11 @@ size_t dg_engine_place(const struct dg_engine *self, size_t index)
     return self->encoders[index].place;
 }
 
+struct dg_engine_end dg_engine_end_of(const struct dg_engine *self, size_t index)
+{
+    return self->encoders[index].end;
+}
+
 struct dg_rig *dg_engine_control(struct dg_engine *self)
 {
     return &self->control;
@@ -122,4 +135,18 @@ void *dg_engine_ctx(const struct dg_rig *rig)
     const struct dg_engine *self = rig->host;
 
     return self->setup.ctx;
+}
+
+size_t dg_engine_index(const struct dg_rig *rig, const struct dg_encoder *encoder)
+{
+    const struct dg_engine *self = rig->host;
+
+    return (size_t)((const struct engine_encoder *)encoder - self->encoders);
+}
+
+size_t dg_engine_shaft_index(const struct dg_rig *rig, const struct dg_rig_shaft *shaft)
+{
+    const struct dg_engine *self = rig->host;
+
+    return (size_t)((const struct engine_shaft *)shaft - self->shafts);
 }

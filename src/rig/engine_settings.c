@@ -12,12 +12,12 @@
 #include <string.h>
 
 #define SERIAL "serial"
-#define RANGE_MAX 128u
+#define RIGHT_MAX 256u
 
 /* ---------------------------------------------------------------- rows of wires */
 
 #define LINE(member) offsetof(struct dg_engine_line, member)
-#define END(member) offsetof(struct engine_end, member)
+#define END(member) offsetof(struct dg_engine_end, member)
 
 static const char *const own_any[2] = {"own", "any"};
 
@@ -28,77 +28,35 @@ static const struct dg_key end_rows[] = {
 };
 /* clang-format on */
 
-/* Of an encoder's end of a wire, by medium. */
-static const struct dg_keys end_keys[DG_MEDIUM_COUNT] = {
+const struct dg_keys dg_engine_end_keys[DG_MEDIUM_COUNT] = {
     [DG_MEDIUM_CHARACTERS] = {end_rows, DG_COUNT(end_rows)},
 };
+const struct dg_engine_end dg_engine_end_usual = {.pace = true};
 
 /* ---------------------------------------------------------------- a value */
-
-static bool is_text(const struct dg_key *row)
-{
-    return row->type == DG_KEY_TEXT || row->type == DG_KEY_DIGITS;
-}
-
-static bool is_word(const struct dg_key *row)
-{
-    return row->type == DG_KEY_FLAG || row->type == DG_KEY_WORD;
-}
-
-static void say_limits(const struct dg_key *row, struct dg_text *to)
-{
-    static const char *const kinds[] = {"characters", "digits"};
-    const int64_t one = dg_power_of_ten(row->places);
-    const bool text = is_text(row);
-    const char *unit = text ? kinds[row->type == DG_KEY_DIGITS] : row->unit;
-
-    dg_text_add_number(to, row->min / one);
-    if (!text || row->min != row->max) {
-        dg_text_add(to, text ? " to " : "..");
-        dg_text_add_number(to, row->max / one);
-    }
-    dg_plan_add(to, RIG_SAY(unit[0] == '\0' ? "" : " ", unit));
-}
-
-static void say_range(const struct dg_key *row, struct dg_text *to)
-{
-    for (size_t i = 0; is_word(row) && i <= (size_t)row->max; i++) {
-        dg_plan_add(to, RIG_SAY(i == 0 ? "" : " or ", row->words[i]));
-    }
-    if (!is_word(row)) {
-        say_limits(row, to);
-    }
-}
 
 /* "a number in 1..127 is right" */
 static int set_value(const struct dg_key *row, void *base, const char *value,
                      struct dg_plan_error *error)
 {
-    const bool number = !is_text(row) && !is_word(row);
-    char range[RANGE_MAX];
-    struct dg_text right = dg_text_in(range, sizeof range);
+    char words[RIGHT_MAX];
+    struct dg_text right = dg_text_in(words, sizeof words);
 
     if (dg_key_set(row, base, value) == DG_OK) {
         return 0;
     }
-    dg_text_add(&right, number ? "a number in " : "");
-    say_range(row, &right);
-    if (number && row->places > 0) {
-        dg_plan_add(&right,
-                    RIG_SAY(" with at most ", dg_plan_number(row->places).text, " decimals"));
-    }
-    dg_text_add(&right, is_text(row) ? " are right" : " is right");
-    return dg_plan_refuse(error, RIG_SAY(range), RIG_SAY(""));
+    dg_key_say_right(row, &right);
+    return dg_plan_refuse(error, RIG_SAY(words), RIG_SAY(""));
 }
 
-static int refuse_setting(const struct dg_engine *self, const struct dg_plan_setting *setting,
+static int refuse_setting(const struct dg_plan *plan, const struct dg_plan_setting *setting,
                           struct dg_plan_error *error)
 {
     if (error->key[0] == '\0') {
         (void)dg_plan_about(error, setting->key, setting->value);
         error->valued = DG_PLAN_SETTING;
     }
-    return dg_plan_stand(self->setup.plan, setting->line, error);
+    return dg_plan_stand(plan, setting->line, error);
 }
 
 /* ---------------------------------------------------------------- lists */
@@ -132,7 +90,8 @@ static void list_rows(struct dg_engine *self, size_t index, struct list lists[LI
     const struct dg_host_wire *wire = dg_host_wire_at(encoder->host);
     void *settings = dg_host_line_of(encoder->host)->settings;
 
-    lists[OF_END] = (struct list){.keys = end_keys[wire->stack->medium], .base = &encoder->end};
+    lists[OF_END] =
+        (struct list){.keys = dg_engine_end_keys[wire->stack->medium], .base = &encoder->end};
     lists[OF_HOST] = (struct list){.base = NULL};
     if (self->setup.rows != NULL) {
         lists[OF_HOST].base =
@@ -170,8 +129,8 @@ static bool offers(const struct dg_plan_wire_kind *kind, const char *name)
     bool found = dg_plan_wire_has(kind, name);
 
     for (size_t i = 0; i < DG_MEDIUM_COUNT && !found; i++) {
-        found = (kind->media >> i & 1u) != 0 && end_keys[i].rows != NULL &&
-                dg_keys_find(&end_keys[i], name) != NULL;
+        found = (kind->media >> i & 1u) != 0 && dg_engine_end_keys[i].rows != NULL &&
+                dg_keys_find(&dg_engine_end_keys[i], name) != NULL;
     }
     return found;
 }
@@ -196,6 +155,13 @@ static size_t list_kinds(const char *name, struct rig_list *to)
     return own > 0 ? count : 0;
 }
 
+/* A row of the host's is listed where the encoder has the one in place of which it is. */
+static bool host_has(const struct list lists[LISTS], size_t list, const char *name)
+{
+    return list == OF_ENCODER && lists[OF_HOST].keys.rows != NULL &&
+           dg_keys_find(&lists[OF_HOST].keys, name) != NULL;
+}
+
 static void list_names(const struct list lists[LISTS], struct dg_text *to)
 {
     for (size_t i = 0; i < LISTS; i++) {
@@ -203,7 +169,7 @@ static void list_names(const struct list lists[LISTS], struct dg_text *to)
             const char *name = lists[i].keys.rows[j].name;
             const bool instead =
                 i == OF_HOST && dg_keys_find(&lists[OF_ENCODER].keys, name) != NULL;
-            if (has_row(&lists[i], j) && !instead) {
+            if ((has_row(&lists[i], j) || host_has(lists, i, name)) && !instead) {
                 dg_plan_add(to, RIG_SAY(" ", name));
             }
         }
@@ -279,52 +245,64 @@ static int set_serial(const struct dg_engine *self, size_t index, struct dg_plan
     return dg_plan_stand(self->setup.plan, row->serial_line, error);
 }
 
-/* Encoders whose master asks for their serial numbers count up on their wire. */
-static void count_serial(struct engine_encoder *encoder)
+/* 0: it has none. */
+static uint32_t serial_of(struct dg_host *host)
 {
-    const struct dg_host_wire *wire = dg_host_wire_at(encoder->host);
-    const struct dg_key *key = dg_keys_find(wire->keys, SERIAL);
-    const bool counts =
-        wire->stack->medium == DG_MEDIUM_FRAMES || wire->stack->medium == DG_MEDIUM_WORDS;
     char text[DG_TEXT_DIGITS_MAX + 1u] = "";
     uint64_t serial = 0;
 
-    if (!counts || key == NULL) {
-        return;
-    }
-    (void)dg_host_get(encoder->host, SERIAL, text, sizeof text);
+    (void)dg_host_get(host, SERIAL, text, sizeof text);
     (void)dg_unsigned_parse(text, &serial);
-    serial = (serial + encoder->place) % ((uint64_t)key->max + 1u);
-    (void)dg_host_set(encoder->host, SERIAL, dg_plan_number((size_t)serial).text);
+    return (uint32_t)serial;
+}
+
+/* Encoders whose master asks for their serial numbers count up on their wire. */
+static void count_serial(const struct engine_encoder *encoder)
+{
+    const struct dg_host_wire *wire = dg_host_wire_at(encoder->host);
+    const struct dg_key *key = dg_keys_find(wire->keys, SERIAL);
+    const enum dg_medium medium = wire->stack->medium;
+
+    if (key != NULL && (medium == DG_MEDIUM_FRAMES || medium == DG_MEDIUM_WORDS)) {
+        const uint64_t serial =
+            ((uint64_t)serial_of(encoder->host) + encoder->place) % ((uint64_t)key->max + 1u);
+        (void)dg_host_set(encoder->host, SERIAL, dg_plan_number((size_t)serial).text);
+    }
 }
 
 static void set_address(struct dg_host *host, const struct dg_plan_encoder *row)
 {
-    if (row->address != DG_PLAN_AS_DELIVERED) {
-        (void)dg_host_set(host, row->model->stack->address_key,
-                          dg_plan_number((size_t)row->address).text);
+    const char *key = row->model->stack->address_key;
+
+    if (key != NULL && row->address != DG_PLAN_AS_DELIVERED) {
+        (void)dg_host_set(host, key, dg_plan_number((size_t)row->address).text);
     }
 }
 
-/* One by one they are right. Making a device touches no memory, so it may be tried. */
-static int check_together(struct dg_engine *self, size_t index, struct dg_plan_error *error)
+/* Making a device touches no memory, so it may be tried. */
+static int try_encoder(const struct dg_plan_encoder *row, struct dg_host *host,
+                       struct dg_plan_error *error)
 {
     static const struct dg_nvm_ops nowhere = {.read = NULL};
-    const struct dg_plan_encoder *row = &self->setup.plan->encoders[index];
-    struct dg_host_line *line = dg_host_line_of(self->encoders[index].host);
-    struct dg_stack_setup setup = dg_host_setup(self->encoders[index].host);
-    int result = 0;
+    struct dg_host_line *line = dg_host_line_of(host);
+    struct dg_stack_setup setup = dg_host_setup(host);
 
-    if (self->setup.check != NULL) {
-        result = self->setup.check(self->setup.ctx, index, line->settings, error);
-    }
-    if (result == 0) {
-        setup.nvm.ops = &nowhere;
-        result = row->model->stack->init(line->device, &setup);
-        memset(line->device, 0, row->model->stack->device_size);
-        (void)(result == 0 ? 0
-                           : dg_plan_refuse(error, NULL, RIG_SAY("these figures make no encoder")));
-    }
+    setup.nvm.ops = &nowhere;
+    const int result = row->model->stack->init(line->device, &setup);
+    memset(line->device, 0, row->model->stack->device_size);
+    return result == 0 ? 0 : dg_plan_refuse(error, NULL, RIG_SAY("these figures make no encoder"));
+}
+
+/* One by one they are right. */
+static int check_together(struct dg_engine *self, size_t index, struct dg_plan_error *error)
+{
+    const struct dg_plan_encoder *row = &self->setup.plan->encoders[index];
+    struct dg_host *host = self->encoders[index].host;
+    const int result =
+        self->setup.check == NULL
+            ? try_encoder(row, host, error)
+            : self->setup.check(self->setup.ctx, index, dg_host_line_of(host)->settings, error);
+
     return result == 0 ? 0 : dg_plan_stand(self->setup.plan, row->line, error);
 }
 
@@ -334,11 +312,11 @@ int dg_engine_set_encoder(struct dg_engine *self, size_t index, struct dg_plan_e
     struct engine_encoder *encoder = &self->encoders[index];
     struct list lists[LISTS];
 
-    encoder->end = (struct engine_end){.pace = true};
+    encoder->end = dg_engine_end_usual;
     list_rows(self, index, lists);
     for (size_t i = 0; i < row->settings.count; i++) {
         if (set_one(self, index, lists, &row->settings.list[i], error) != 0) {
-            return refuse_setting(self, &row->settings.list[i], error);
+            return refuse_setting(self->setup.plan, &row->settings.list[i], error);
         }
     }
     if (row->serial == NULL) {
@@ -346,11 +324,12 @@ int dg_engine_set_encoder(struct dg_engine *self, size_t index, struct dg_plan_e
     } else if (set_serial(self, index, error) != 0) {
         return -1;
     }
+    encoder->control.serial = serial_of(encoder->host);
     set_address(encoder->host, row);
     if (check_together(self, index, error) != 0) {
         return -1;
     }
-    if (row->nvm == NULL || dg_host_memory_size(encoder->host) > 0) {
+    if (row->nvm == NULL || self->setup.memory_is_host || dg_host_memory_size(encoder->host) > 0) {
         return 0;
     }
     (void)dg_plan_refuse(error, RIG_SAY("leave it out"),
@@ -374,7 +353,7 @@ static int begin_course(struct dg_engine *self, size_t index, const struct dg_pl
     (void)dg_course_read(setting->value, &words, error);
     struct dg_rig_course *course = self->setup.course(self->setup.ctx, index, setting, error);
     if (course == NULL) {
-        return refuse_setting(self, setting, error);
+        return refuse_setting(self->setup.plan, setting, error);
     }
     course->quantity = (size_t)(row - dg_world_keys.rows);
     course->course.loop = words.loop;
@@ -384,7 +363,7 @@ static int begin_course(struct dg_engine *self, size_t index, const struct dg_pl
         return 0;
     }
     (void)dg_plan_refuse(error, NULL, RIG_SAY("a loop needs a time above 0"));
-    return refuse_setting(self, setting, error);
+    return refuse_setting(self->setup.plan, setting, error);
 }
 
 int dg_engine_begin_courses(struct dg_engine *self, struct dg_plan_error *error)
@@ -423,22 +402,22 @@ static void *place_of(struct dg_engine_line *line, const struct dg_plan_wire_kin
     return (uint8_t *)line + places[i].offset;
 }
 
-int dg_engine_set_line(const struct dg_engine *self, size_t index, struct dg_engine_line *line,
-                       struct dg_plan_error *error)
+/* Which keys its kind has was asked when they were given to it. */
+int dg_engine_line_read(const struct dg_plan *plan, const struct dg_plan_wire *wire,
+                        struct dg_engine_line *line, struct dg_plan_error *error)
 {
-    const struct dg_plan_wire *wire = &self->setup.plan->wires[index];
     const struct dg_keys *keys = wire->kind->keys;
+    int result = 0;
 
-    *line = (struct dg_engine_line){.pace = dg_plan_pace_usual,
-                                    .timing = dg_plan_timing_usual,
-                                    .ring = dg_plan_ring_usual,
-                                    .simulation = dg_plan_simulation_usual};
-    for (size_t i = 0; keys != NULL && i < wire->settings.count; i++) {
+    for (size_t i = 0; result == 0 && i < wire->settings.count; i++) {
         const struct dg_plan_setting *setting = &wire->settings.list[i];
-        const struct dg_key *row = dg_keys_find(keys, setting->key);
-        if (row != NULL && set_value(row, place_of(line, wire->kind), setting->value, error) != 0) {
-            return refuse_setting(self, setting, error);
+        const struct dg_key *row = keys == NULL ? NULL : dg_keys_find(keys, setting->key);
+        result = row != NULL ? set_value(row, place_of(line, wire->kind), setting->value, error)
+                             : dg_plan_refuse(error, RIG_SAY("leave it out"),
+                                              RIG_SAY("the wire has no such key"));
+        if (result != 0) {
+            (void)refuse_setting(plan, setting, error);
         }
     }
-    return 0;
+    return result;
 }

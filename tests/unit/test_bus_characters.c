@@ -315,6 +315,22 @@ static void neighbours_may_have_other_settings(void **state)
 
 /* ------------------------------------------------------------ forms */
 
+/* A host may learn it when its port is open. */
+static void a_line_may_turn_out_to_have_a_uart(void **state)
+{
+    static struct character_rig line;
+
+    (void)state;
+    character_rig_make(&line, &character_rig_paced, 1);
+    dg_bus_characters_whole(line.bus, character_rig_whole);
+    character_rig_say(&line, "40 42 02");
+    const dg_ns begin = line.now + ANSWER;
+    character_rig_pass_to(&line, line.now + REST);
+    assert_int_equal(line.count, 0);
+    assert_int_equal(line.whole_count, 7);
+    assert_true(line.whole_at == begin); /* the request took no time */
+}
+
 /* Without pacing a character is over when it comes; start bits may be told. */
 static void a_line_with_a_uart(void **state)
 {
@@ -478,6 +494,7 @@ int main(void)
         cmocka_unit_test(a_request_into_a_reply_collides),
         cmocka_unit_test(another_setting_arrives_damaged),
         cmocka_unit_test(neighbours_may_have_other_settings),
+        cmocka_unit_test(a_line_may_turn_out_to_have_a_uart),
         cmocka_unit_test(a_line_with_a_uart),
         cmocka_unit_test(a_reply_that_takes_no_time),
         cmocka_unit_test(a_late_call_does_not_squeeze_a_reply),

@@ -33,7 +33,7 @@ static const struct {
     {LINE_OF "clock_hz = 1000\n", 6, "clock_hz", "only a sim wire has it", "leave it out"},
     {LINE_OF "supply_mv = 1x\n", 6, "supply_mv", NULL, NULL},
     {WORD_OF "code = grey\n", 6, "code", "", "gray or binary is right"},
-    {WORD_OF "parity = yes\n", 6, "parity", "", "none or even or odd is right"},
+    {WORD_OF "parity = yes\n", 6, "parity", "", "none, even or odd is right"},
     {WORD_OF "serial = 5\n", 6, "serial", "ssi-25 has none", "leave it out"},
     {NODE_OF "mt_bits = 12\n", 7, "mt_bits", "no such key", NULL},
     {NODE_OF "mt_bits = x.csv\n", 7, "mt_bits", "no such key", NULL},
@@ -242,11 +242,14 @@ static void a_setup_without_a_plan_or_encoders_is_refused(void **state)
                         "no setup of this version, or a wire with no encoders or too many");
 }
 
-static void want_a_long_cable(void *ctx, size_t index, struct dg_engine_wire *to)
+static int want_a_long_cable(void *ctx, size_t index, struct dg_engine_wire *to,
+                             struct dg_plan_error *error)
 {
     (void)ctx;
     (void)index;
+    (void)error;
     to->edges.there_ns = UINT32_MAX;
+    return 0;
 }
 
 static void a_bus_that_the_host_wants_otherwise_is_refused(void **state)

@@ -49,11 +49,14 @@ static void hear(void *ctx, size_t place, const struct dg_tap_event *event)
 
 static const struct dg_bus_ops door = {.tx = hear};
 
-static void open_door(void *ctx, size_t index, struct dg_engine_wire *to)
+static int open_door(void *ctx, size_t index, struct dg_engine_wire *to,
+                     struct dg_plan_error *error)
 {
     (void)index;
     to->ops = &door;
     to->ctx = ctx;
+    (void)error;
+    return 0;
 }
 
 static void note_waking(void *ctx)
@@ -208,6 +211,22 @@ static void parts_are_those_of_the_plan(void **state)
     assert_int_equal(dg_engine_wire_of(bench.engine, 2)->edges.there_ns, 100);
     assert_false(dg_engine_wire_of(bench.engine, 0)->characters.paced);
     assert_int_equal(dg_engine_control(bench.engine)->encoder_count, bench.plan.encoder_count);
+    assert_true(dg_engine_end_of(bench.engine, 0).pace);
+    assert_false(dg_engine_end_of(bench.engine, 8).pace);
+}
+
+static void what_clients_see_has_the_order_of_the_plan(void **state)
+{
+    (void)state;
+    make(mixed);
+    const struct dg_rig *control = dg_engine_control(bench.engine);
+    for (size_t i = 0; i < control->encoder_count; i++) {
+        assert_int_equal(dg_engine_index(control, control->encoders[i]), i);
+        assert_string_equal(control->encoders[i]->name, bench.plan.encoders[i].name);
+    }
+    for (size_t i = 0; i < control->shaft_count; i++) {
+        assert_int_equal(dg_engine_shaft_index(control, control->shafts[i]), i);
+    }
 }
 
 static void settings_addresses_and_numbers(void **state)
@@ -656,6 +675,7 @@ int main(void)
         cmocka_unit_test(an_encoder_of_an_eds_file),
         cmocka_unit_test(memory_is_as_much_as_it_says),
         cmocka_unit_test(parts_are_those_of_the_plan),
+        cmocka_unit_test(what_clients_see_has_the_order_of_the_plan),
         cmocka_unit_test(settings_addresses_and_numbers),
         cmocka_unit_test(shafts_turn_from_the_beginning),
         cmocka_unit_test(what_is_wrong_is_told_with_its_place),

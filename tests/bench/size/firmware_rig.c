@@ -25,7 +25,8 @@ static void send_frame(void *ctx, size_t place, const struct dg_tap_event *event
     board_tx = event->frame;
 }
 
-static void open_controller(void *ctx, size_t index, struct dg_engine_wire *to)
+static int open_controller(void *ctx, size_t index, struct dg_engine_wire *to,
+                           struct dg_plan_error *error)
 {
     static const struct dg_bus_ops controller = {.tx = send_frame};
 
@@ -34,6 +35,8 @@ static void open_controller(void *ctx, size_t index, struct dg_engine_wire *to)
     to->ops = &controller;
     to->frames.real_time = true;
     to->frames.line.company = DG_BUS_SOMEBODY;
+    (void)error;
+    return 0;
 }
 
 static struct dg_engine *make_rig(struct dg_plan *plan)

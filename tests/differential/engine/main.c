@@ -48,7 +48,8 @@ static void hear_nothing(void *ctx, size_t place, const struct dg_tap_event *eve
     (void)event;
 }
 
-static void open_door(void *ctx, size_t index, struct dg_engine_wire *to)
+static int open_door(void *ctx, size_t index, struct dg_engine_wire *to,
+                     struct dg_plan_error *error)
 {
     static const struct dg_bus_ops ops = {.tx = hear_nothing, .tap = told_print};
 
@@ -57,6 +58,8 @@ static void open_door(void *ctx, size_t index, struct dg_engine_wire *to)
     to->ops = &ops;
     to->frames.line = (struct dg_bus_frames_line){.closed = true, .company = DG_BUS_SOMEBODY};
     to->edges.period_ns = (uint32_t)(DG_S(1) / to->line.timing.clock_hz);
+    (void)error;
+    return 0;
 }
 
 /* ------------------------------------------------------------ what the master says */
