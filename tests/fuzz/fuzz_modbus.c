@@ -24,6 +24,7 @@
 #include "drehgeber/devices.h"
 #include "fuzz_input.h"
 #include "modbus.h"
+#include "ring_rig.h"
 
 #define DEVICES 3u
 #define WORDS 5u       /* of either image: 1, 2, 2 */
@@ -49,8 +50,8 @@ struct client {
 
 static struct bench {
     sd_event *event;
-    struct dg_world worlds[DEVICES];
-    struct lx_ring ring;
+    struct ring_rig rig;
+    struct lx_ring *ring;
     struct lx_modbus coupler;
     struct sockaddr_in port;
     struct client clients[SOCKETS];
@@ -293,15 +294,15 @@ static void say(struct client *self, const uint8_t *bytes, size_t n)
 
 static void cycle(dg_ns time)
 {
-    const struct dg_ring_counters *counters = &bench.ring.is->counters;
+    const struct dg_ring_counters *counters = &bench.ring->is->counters;
     const uint64_t before = (uint64_t)counters->cycles + counters->ids;
     const dg_ns clock = lx_now();
 
     bench.now = dg_after(bench.now > clock ? bench.now : clock, time);
     lx_map_tick(&bench.coupler.map, bench.now);
-    (void)lx_ring_cycle(&bench.ring, bench.now);
+    (void)lx_ring_cycle(bench.ring, bench.now);
     fuzz_must((uint64_t)counters->cycles + counters->ids > before);
-    fuzz_must(!bench.ring.stopped || bench.coupler.map.watchdog.fired);
+    fuzz_must(!bench.ring->stopped || bench.coupler.map.watchdog.fired);
 }
 
 /* The coupler's own first cycle; its next one is an hour away. */
@@ -423,7 +424,7 @@ static void open_coupler(void)
     fuzz_must(sd_event_new(&bench.event) >= 0);
     const struct lx_modbus_setup setup = {.event = bench.event,
                                           .where = "127.0.0.1:0",
-                                          .ring = &bench.ring,
+                                          .ring = &bench.rig.ring,
                                           .cycle = DG_S(3600),
                                           .drive = drive};
     fuzz_must(lx_modbus_open(&bench.coupler, &setup, &error) == 0);
@@ -450,22 +451,16 @@ static void set_up(struct fuzz_input *input)
 {
     static const struct dg_device *const models[DEVICES] = {&dg_ocd_ib_k1, &dg_ocd_ib_k2,
                                                             &dg_ocd_ib_k3};
-    static const struct lx_say quiet = {.quiet = true};
-    struct lx_ring_member members[DEVICES] = {{.nvm = NULL}};
-    const struct lx_ring_setup setup = {.members = members, .count = DEVICES, .say = &quiet};
     struct lx_error error;
 
     if (bench.event == NULL) {
         open_coupler();
     }
-    for (size_t i = 0; i < DEVICES; i++) {
-        dg_world_init(&bench.worlds[i]);
-        members[i] = (struct lx_ring_member){
-            .device = models[i], .model = *dg_ib_model_of(models[i]), .world = &bench.worlds[i]};
-    }
+    bench.ring = &bench.rig.ring;
+    ring_rig_plan(&bench.rig, models, DEVICES);
     bench.now = lx_now();
-    fuzz_must(lx_ring_open(&bench.ring, &setup, bench.now, &error) == 0);
-    lx_map_init(&bench.coupler.map, &bench.ring);
+    fuzz_must(ring_rig_open(&bench.rig, NULL, NULL, bench.now, &error) == 0);
+    lx_map_init(&bench.coupler.map, bench.ring);
     const uint8_t how = fuzz_take(input);
     bench.coupler.map.tear = (how & 1u) != 0;
     set_places((how & 2u) != 0);
@@ -491,10 +486,10 @@ static void check_outside(void)
         fuzz_must(is_all(registers + at, (end - at) * sizeof *registers, UNTOUCHED));
         at = i < INSIDE ? end + inside[i].count : at;
     }
-    fuzz_must(
-        is_all(bench.ring.in + WORDS, sizeof bench.ring.in - WORDS * sizeof *bench.ring.in, 0));
-    fuzz_must(
-        is_all(bench.ring.out + WORDS, sizeof bench.ring.out - WORDS * sizeof *bench.ring.out, 0));
+    fuzz_must(is_all(bench.ring->in + WORDS,
+                     (DEVICES * DG_RING_WORDS_MAX - WORDS) * sizeof *bench.ring->in, 0));
+    fuzz_must(is_all(bench.ring->out + WORDS,
+                     sizeof bench.ring->out - WORDS * sizeof *bench.ring->out, 0));
     fuzz_must(bench.coupler.map.watchdog.type <= 1);
     fuzz_must(bench.coupler.map.watchdog.fallback < LX_FALLBACK_COUNT);
 }
@@ -513,7 +508,7 @@ static void check_service(void)
     fuzz_must(client->fd >= 0 && client->asked_length == 0);
     cycle(DG_S(1));
     cycle(DG_MS(1));
-    fuzz_must(bench.ring.is->result == DG_RING_OK && bench.ring.is->reached == DEVICES);
+    fuzz_must(bench.ring->is->result == DG_RING_OK && bench.ring->is->reached == DEVICES);
 }
 
 static bool occupied(void)
@@ -541,7 +536,7 @@ static void tear_down(void)
         turn();
     }
     set_places(false);
-    lx_ring_close(&bench.ring);
+    ring_rig_close(&bench.rig);
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t n)

@@ -203,8 +203,9 @@ static int do_command(struct wire_session *self, struct words *words, struct lx_
     if (result < 0) {
         return complain_access(error, "command", command, result);
     }
-    lx_sim_master_pause(&self->master, self->master.wire.now +
-                                           (command == DG_BISS_SOFT_RESET ? self->line->init : 0));
+    lx_sim_master_pause(&self->master,
+                        self->master.wire.now +
+                            (command == DG_BISS_SOFT_RESET ? lx_clocked_init(self->line) : 0));
     return 0;
 }
 

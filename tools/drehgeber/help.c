@@ -165,7 +165,7 @@ static const struct dg_device *any_of(const struct lx_stack *stack)
  */
 static void print_own(const struct lx_stack *stack, const struct dg_device *device, FILE *to)
 {
-    void *settings = calloc(1, lx_stack_size(stack));
+    void *settings = calloc(1, stack->handle->settings_size);
     struct lx_keys lists[LX_STACK_LISTS];
     if (settings != NULL) {
         lx_stack_deliver(stack, device == NULL ? any_of(stack) : device, settings);
@@ -174,6 +174,7 @@ static void print_own(const struct lx_stack *stack, const struct dg_device *devi
     if (device == NULL) {
         lists[LX_STACK_CORE].base = NULL;
     }
+    lx_keys_help(&lists[LX_STACK_END], to);
     lx_keys_help(&lists[LX_STACK_OWN], to);
     lx_keys_help(&lists[LX_STACK_CORE], to);
     free(settings);

@@ -5,9 +5,8 @@
 #include <string.h>
 
 #include "course_words.h"
-#include "drehgeber/instruments.h"
 #include "run.h"
-#include "sim_settings.h"
+#include "sim_bus.h"
 
 /* Shown of an idle wire in front of the first edge. */
 #define TRACE_AHEAD DG_US(1)
@@ -23,31 +22,6 @@ const char *take_word(struct words *words)
 
 /* --- open, close --- */
 
-/* The encoder as a rig has it, but for what only a rig needs. */
-static void furnish(struct wire_session *self, const struct options *options)
-{
-    const struct dg_plan_encoder *encoder = &self->plan.encoders[0];
-    struct lx_station *station = &self->station;
-    dg_world_init(&station->world);
-    station->world.angle = dg_motion_angle;
-    station->world.angle_ctx = &self->shaft.motion;
-    station->plan = encoder;
-    station->control = (struct dg_encoder){
-        .name = encoder->model->name,
-        .model = encoder->model,
-        .instrument = dg_instrument_of(encoder->model->stack),
-        .world = &station->world,
-    };
-    self->stations[0] = station;
-    self->bus = (struct lx_bus_setup){
-        .say = &options->say,
-        .plan = &self->plan,
-        .wire = &self->plan.wires[0],
-        .stations = self->stations,
-        .count = 1,
-    };
-}
-
 /* Only a rig lets the world go on. */
 static int refuse_courses(const struct dg_plan_settings *settings, struct lx_error *error)
 {
@@ -61,6 +35,11 @@ static int refuse_courses(const struct dg_plan_settings *settings, struct lx_err
     return 0;
 }
 
+static const struct lx_stack *stack_of(const struct wire_session *self)
+{
+    return lx_stack_of(self->plan.encoders[0].model);
+}
+
 static int understand(struct wire_session *self, const struct options *options,
                       struct lx_error *error)
 {
@@ -68,23 +47,35 @@ static int understand(struct wire_session *self, const struct options *options,
         refuse_courses(&self->plan.encoders[0].settings, error) != 0) {
         return -1;
     }
-    furnish(self, options);
     if (options->trace != NULL &&
-        lx_trace_fits(options->trace, lx_stack_of(self->station.plan->model)->trace, error) != 0) {
+        lx_trace_fits(options->trace, stack_of(self)->trace, error) != 0) {
         (void)lx_about(error, LX_ABOUT_KEY, "trace", NULL);
         return -1;
     }
-    self->line = lx_clocked_make(&self->bus, LX_CLOCKED_HERE, error);
-    return self->line == NULL
-               ? -1
-               : lx_sim_timing_set(&self->plan, self->bus.wire, self->line, &self->timing, error);
+    const struct lx_engine_setup setup = {.bus = {.say = &options->say, .plan = &self->plan}};
+    self->plan.shafts[0].motion = NULL; /* it begins with the end of the initialisation */
+    if (lx_engine_make(&self->engine, &setup, error) != 0) {
+        return -1;
+    }
+    self->line = lx_sim_bus_line(self->engine.wires[0].bus);
+    return 0;
+}
+
+/* The encoder is at the motion of this session. */
+static void place_shaft(struct wire_session *self, dg_ns start)
+{
+    struct dg_world *world = self->engine.stations[0].control->world;
+    self->shaft.motion.start = start;
+    world->angle = dg_motion_angle;
+    world->angle_ctx = &self->shaft.motion;
+    world->stands = NULL;
 }
 
 /* The initialisation, in which nothing happens on the wire, is not in it. */
 static int open_trace(struct wire_session *self, const struct options *options, dg_ns ready,
                       struct lx_error *error)
 {
-    const struct lx_stack *stack = lx_stack_of(self->station.plan->model);
+    const struct lx_stack *stack = stack_of(self);
     const struct lx_trace_setup trace = {
         .path = options->trace,
         .kind = stack->trace,
@@ -117,12 +108,14 @@ static int open_session(struct wire_session *self, const struct options *options
         (void)lx_about(error, LX_ABOUT_KEY, "motion", NULL);
         return parsed == LX_SHAFT_WORDS ? EXIT_USAGE : EXIT_OTHER;
     }
-    const dg_ns ready = dg_after(now, self->line->init);
-    self->shaft.motion.start = ready;
-    if (lx_clocked_open(self->line, &self->bus, 0, now, error) != 0) {
+    const struct lx_bus *bus = self->engine.wires[0].bus;
+    const dg_ns ready = dg_after(now, lx_clocked_init(self->line));
+    place_shaft(self, ready);
+    if (lx_clocked_open(self->line, &bus->setup, bus->core, &self->tap, now, error) != 0) {
         return EXIT_OTHER;
     }
-    lx_sim_master_init(&self->master, &self->tap, self->line, &self->timing, now);
+    lx_sim_master_init(&self->master, &self->tap, self->line,
+                       &dg_engine_wire_of(self->engine.core, 0)->line.timing, now);
     lx_sim_master_pause(&self->master, ready);
     return options->trace == NULL ? 0 : open_trace(self, options, ready, error);
 }
@@ -131,7 +124,7 @@ static int open_session(struct wire_session *self, const struct options *options
 static int close_session(struct wire_session *self, struct lx_error *error)
 {
     const int result = lx_trace_close(self->trace, error);
-    lx_clocked_close(self->line);
+    lx_engine_close(&self->engine);
     lx_shaft_free(&self->shaft);
     lx_plan_free(&self->plan);
     return result == 0 ? 0 : EXIT_OTHER;

@@ -6,6 +6,7 @@
 #ifndef DREHGEBER_TOOL_WIRE_SESSION_H
 #define DREHGEBER_TOOL_WIRE_SESSION_H
 
+#include "engine.h"
 #include "motion_words.h"
 #include "options.h"
 #include "sim_master.h"
@@ -23,12 +24,9 @@ const char *take_word(struct words *words);
 /* Not to be moved while open. */
 struct wire_session {
     struct dg_plan plan;
-    struct lx_station station;
-    struct lx_station *stations[1];
-    struct lx_bus_setup bus;
-    struct dg_plan_timing timing; /* of the master and its cable */
+    struct lx_engine engine;
     struct lx_shaft shaft;
-    struct lx_clocked *line; /* NULL: not made */
+    struct lx_clocked *line;
     struct lx_tap tap;
     struct lx_sim_master master;
     struct lx_trace *trace; /* NULL: none */

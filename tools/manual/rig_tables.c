@@ -107,7 +107,7 @@ static void print_list(const struct lx_keys *keys)
 /* The first model of each protocol, and what can be set of it. */
 static void print_encoders_of(const struct lx_stack *stack, const struct dg_device *model)
 {
-    void *settings = calloc(1, lx_stack_size(stack));
+    void *settings = calloc(1, stack->handle->settings_size);
     struct lx_keys lists[LX_STACK_LISTS];
     if (settings != NULL) {
         lx_stack_deliver(stack, model, settings);
@@ -115,6 +115,7 @@ static void print_encoders_of(const struct lx_stack *stack, const struct dg_devi
         (void)printf("\n%s; defaults are those of `%s`:\n\n", stack->trace->title, model->name);
         (void)puts("| key | takes | default | what it is |");
         (void)puts("|---|---|---|---|");
+        print_list(&lists[LX_STACK_END]);
         print_list(&lists[LX_STACK_OWN]);
         print_list(&lists[LX_STACK_CORE]);
     }

@@ -100,7 +100,8 @@ int lx_error_take(struct lx_error *error, const struct dg_plan_error *from)
 {
     (void)lx_refuse(error, from->right, "%s", from->what);
     if (from->key[0] != '\0') {
-        (void)lx_about(error, LX_ABOUT_KEY, from->key, from->valued ? from->value : NULL);
+        (void)lx_about(error, from->valued == DG_PLAN_SETTING ? LX_ABOUT_SETTING : LX_ABOUT_KEY,
+                       from->key, from->valued != DG_PLAN_UNVALUED ? from->value : NULL);
     }
     memcpy(error->where.included, from->included, sizeof from->included);
     return lx_stands(error, from->file, from->line);

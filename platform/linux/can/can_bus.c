@@ -16,13 +16,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* What one moment can make each encoder send, beside what waits for a disk or for its time, and
-   what is late by a fault: as much as a wire at 1 MBd carries until then, and a client that knows
-   no such limit some more. What is not used costs nothing. */
-#define ROOMS_EACH 8u
-#define ROOMS_LATE 4096u
-#define ROOMS (DG_BUS_FRAMES_ANSWERS + DG_BUS_FRAMES_PACED + ROOMS_LATE)
-
 static struct lx_can_bus *can_bus_of(struct lx_bus *bus)
 {
     return (struct lx_can_bus *)bus;
@@ -39,7 +32,7 @@ static void tell_filters(struct lx_can_bus *self)
     }
     self->tapped = tapped;
     self->told = true;
-    self->can->ops->filter(self->can, tapped ? NULL : self->wire);
+    self->can->ops->filter(self->can, tapped ? NULL : self->bus.core);
 }
 
 static void refilter(void *ctx)
@@ -68,7 +61,7 @@ static void send_frame(void *ctx, size_t place, const struct dg_tap_event *event
     struct lx_can_bus *self = ctx;
     (void)place;
     lx_can_send(self->can, &event->frame);
-    dg_bus_frames_stall(self->wire, self->can->stalled);
+    dg_bus_frames_stall(self->bus.core, self->can->stalled);
 }
 
 static enum dg_bus_answer answer(void *ctx, size_t place)
@@ -90,8 +83,8 @@ static bool update_line(struct lx_can_bus *self)
         .closed = ops->open != NULL && !ops->open(can),
         .company = lx_can_is_up(can) ? can->company : DG_BUS_NOBODY,
     };
-    dg_bus_frames_stall(self->wire, can->stalled);
-    return dg_bus_frames_set_line(self->wire, &line);
+    dg_bus_frames_stall(self->bus.core, can->stalled);
+    return dg_bus_frames_set_line(self->bus.core, &line);
 }
 
 static void retune(void *ctx, size_t place, uint32_t bit_rate)
@@ -105,7 +98,12 @@ static void retune(void *ctx, size_t place, uint32_t bit_rate)
 static uint64_t bits(const struct lx_can_bus *self)
 {
     const struct lx_can_ops *ops = self->can->ops;
-    return ops->bits == NULL ? dg_bus_frames_bits(self->wire) : ops->bits(self->can);
+    return ops->bits == NULL ? dg_bus_frames_bits(self->bus.core) : ops->bits(self->can);
+}
+
+static bool paces(const struct lx_can_bus *self)
+{
+    return dg_engine_wire_of(self->bus.setup.engine, self->bus.setup.index)->frames.pace;
 }
 
 /* Once per episode, that no real bus would carry this. */
@@ -114,12 +112,12 @@ static void measure(struct lx_can_bus *self, dg_ns now)
     if (!dg_bus_load_due(&self->load, now)) {
         return;
     }
-    const uint32_t rate = dg_bus_frames_bit_rate(self->wire);
+    const uint32_t rate = dg_bus_frames_bit_rate(self->bus.core);
     if (dg_bus_load_close(&self->load, now, bits(self), rate)) {
         lx_note(self->bus.setup.say,
                 "%s: bus load %lu %% of %lu bit/s, more than a real bus carries%s",
                 self->can->address, (unsigned long)(self->load.permille / 10u), (unsigned long)rate,
-                self->pace ? "" : "; pace=1 spaces what the encoders send");
+                paces(self) ? "" : "; pace=1 spaces what the encoders send");
     }
 }
 
@@ -137,10 +135,10 @@ static void arm_timer(struct lx_can_bus *self, dg_ns now)
     }
     if (self->can->stalled) {
         self->stalled = true;
-        dg_bus_frames_stall(self->wire, true);
-        self->due = dg_bus_next(self->wire);
+        dg_bus_frames_stall(self->bus.core, true);
+        self->due = dg_bus_next(self->bus.core);
     }
-    const bool waits = dg_bus_frames_waits(self->wire);
+    const bool waits = dg_bus_frames_waits(self->bus.core);
     lx_can_crowd(self->can, waits);
     measure(self, now);
     self->promised = waits ? DG_NEVER : self->due;
@@ -154,7 +152,7 @@ static void settle(void *ctx, dg_ns now)
     const bool stalled = self->stalled;
     self->stalled = self->can->stalled;
     if (update_line(self) || self->due <= now || stalled) {
-        self->due = dg_bus_step(self->wire, now);
+        self->due = dg_bus_step(self->bus.core, now);
     }
     arm_timer(self, now);
 }
@@ -164,28 +162,28 @@ static void on_frame(void *ctx, dg_ns now, const struct dg_can_frame *frame)
     struct lx_can_bus *self = ctx;
     const struct dg_tap_event event = {.at = now, .kind = DG_TAP_FRAME, .frame = *frame};
     measure(self, now); /* an idle wire has called nobody when its window was over */
-    self->due = dg_bus_rx(self->wire, &event);
-    lx_can_crowd(self->can, dg_bus_frames_waits(self->wire));
+    self->due = dg_bus_rx(self->bus.core, &event);
+    lx_can_crowd(self->can, dg_bus_frames_waits(self->bus.core));
 }
 
 static void on_foreign(void *ctx, uint32_t count)
 {
     struct lx_can_bus *self = ctx;
     measure(self, lx_now());
-    dg_bus_frames_count(self->wire, lx_now(), count);
+    dg_bus_frames_count(self->bus.core, lx_now(), count);
 }
 
 static void on_bus(void *ctx, dg_ns now, enum dg_host_bus event)
 {
     struct lx_can_bus *self = ctx;
-    self->due = dg_bus_frames_controller(self->wire, now, event);
+    self->due = dg_bus_frames_controller(self->bus.core, now, event);
 }
 
 static void on_settled(void *ctx, dg_ns now)
 {
     struct lx_can_node *node = ctx;
     struct lx_can_bus *self = node->bus;
-    self->due = dg_bus_durable(self->wire, node->station->place, now);
+    self->due = dg_bus_durable(self->bus.core, node->station->place, now);
     arm_timer(self, now);
 }
 
@@ -226,7 +224,7 @@ static int open_bus(struct lx_bus *bus, dg_ns now, struct lx_error *error)
         }
     }
     for (size_t i = 0; i < bus->setup.count; i++) {
-        self->due = dg_bus_changed(self->wire, i, now);
+        self->due = dg_bus_changed(self->bus.core, i, now);
     }
     settle(self, now);
     dg_bus_load_begin(&self->load, now, bits(self));
@@ -245,7 +243,7 @@ static void address(const struct lx_bus *bus, const struct lx_station *station, 
 static void look(struct lx_bus *bus, dg_ns now)
 {
     struct lx_can_bus *self = can_bus_of(bus);
-    dg_bus_look(self->wire, now);
+    dg_bus_look(self->bus.core, now);
 }
 
 static void turn_shaft(struct lx_bus *bus, dg_ns now)
@@ -253,7 +251,7 @@ static void turn_shaft(struct lx_bus *bus, dg_ns now)
     struct lx_can_bus *self = can_bus_of(bus);
     look(bus, now);
     for (size_t i = 0; i < bus->setup.count && !self->stood; i++) {
-        self->stood = dg_world_stands(bus->setup.stations[i]->control.world, now);
+        self->stood = dg_world_stands(bus->setup.stations[i]->control->world, now);
     }
 }
 
@@ -261,7 +259,7 @@ static void turn_shaft(struct lx_bus *bus, dg_ns now)
 static void wake_encoders(struct lx_can_bus *self, dg_ns now)
 {
     for (size_t i = 0; i < self->bus.setup.count; i++) {
-        self->due = dg_bus_changed(self->wire, i, now);
+        self->due = dg_bus_changed(self->bus.core, i, now);
     }
     self->stood = false;
 }
@@ -271,7 +269,7 @@ static void changed(struct lx_bus *bus, struct lx_station *station, dg_ns now)
     struct lx_can_bus *self = can_bus_of(bus);
     if (station != NULL) {
         (void)update_line(self);
-        self->due = dg_bus_changed(self->wire, station->place, now);
+        self->due = dg_bus_changed(self->bus.core, station->place, now);
     } else if (self->stood) {
         wake_encoders(self, now);
     }
@@ -282,10 +280,10 @@ static void counters(const struct lx_bus *bus, const struct lx_station *station,
 {
     const struct lx_can_bus *self = (const struct lx_can_bus *)bus;
     const struct lx_can *can = self->can;
-    const struct dg_bus_frames_counters *wire = dg_bus_frames_counters(self->wire);
+    const struct dg_bus_frames_counters *wire = dg_bus_frames_counters(self->bus.core);
     const struct lx_can_node *node = &self->node[station->place];
     const dg_ns now = lx_now();
-    const uint32_t rate = dg_bus_frames_bit_rate(self->wire);
+    const uint32_t rate = dg_bus_frames_bit_rate(self->bus.core);
     const uint64_t so_far = dg_bus_load_due(&self->load, now) ? bits(self) : 0;
     const struct lx_count rows[] = {
         {"wire_up", lx_can_is_up(can)},
@@ -298,22 +296,16 @@ static void counters(const struct lx_bus *bus, const struct lx_station *station,
     lx_bus_count(to, rows, DG_COUNT(rows));
 }
 
-static void free_bus(struct lx_can_bus *self)
+static void close_bus(struct lx_bus *bus)
 {
+    struct lx_can_bus *self = can_bus_of(bus);
     for (size_t i = 0; i < self->bus.setup.count; i++) {
         lx_station_close(self->bus.setup.stations[i]);
     }
     lx_can_close(self->can);
     lx_timer_close(&self->timer);
-    free(self->wire);
-    free(self->room);
     free(self->node);
     free(self);
-}
-
-static void close_bus(struct lx_bus *bus)
-{
-    free_bus(can_bus_of(bus));
 }
 
 static const struct lx_bus_ops bus_ops = {LX_BUS_OPERATIONS, .look = look, .turns = turn_shaft};
@@ -323,48 +315,8 @@ static const struct lx_bus_ops bus_ops = {LX_BUS_OPERATIONS, .look = look, .turn
 static const struct dg_bus_ops door = {.tx = send_frame, .tap = tell_tap, .answer = answer};
 static const struct dg_bus_frames_ops frames_door = {.filter = refilter, .retuned = retune};
 
-/* @return false without memory */
-static bool make_wire(struct lx_can_bus *self)
-{
-    const size_t count = self->bus.setup.count;
-    const size_t rooms = ROOMS + ROOMS_EACH * count;
-    const size_t size = dg_bus_size(&dg_bus_frames, count);
-    void *memory = malloc(size);
-    self->room = malloc(rooms * sizeof *self->room);
-    const struct dg_bus_frames_setup frames = {.size = sizeof frames,
-                                               .ops = &frames_door,
-                                               .room = self->room,
-                                               .rooms = rooms,
-                                               .pace = self->pace,
-                                               .real_time = true};
-    const struct dg_bus_setup setup = {.size = sizeof setup,
-                                       .medium = &dg_bus_frames,
-                                       .encoders = count,
-                                       .wire = &frames,
-                                       .ops = &door,
-                                       .ctx = self};
-    self->wire = memory;
-    return self->room != NULL && dg_bus_init(memory, size, &setup) != NULL;
-}
-
-static int understand(struct lx_can_bus *self, struct lx_error *error)
-{
-    const struct lx_bus_setup *setup = &self->bus.setup;
-    int result = 0;
-    if (self->open != lx_silkit_can_open) { /* that has the keys of its simulation */
-        result = lx_wire_settings(setup->plan, setup->wire, &self->pace, error);
-    }
-    if (result == 0 && !make_wire(self)) {
-        return lx_fail(error, "no memory for %lu encoders", (unsigned long)setup->count);
-    }
-    for (size_t i = 0; result == 0 && i < setup->count; i++) {
-        result = lx_can_node_make(self, i, error);
-    }
-    return result;
-}
-
-struct lx_bus *lx_can_bus_make(const struct lx_bus_setup *setup, lx_can_open *open,
-                               struct lx_error *error)
+struct lx_bus *lx_can_bus_make(const struct lx_bus_setup *setup, struct dg_engine_wire *to,
+                               lx_can_open *open, struct lx_error *error)
 {
     struct lx_can_bus *self = calloc(1, sizeof *self);
     struct lx_can_node *node = calloc(setup->count, sizeof *node);
@@ -379,37 +331,45 @@ struct lx_bus *lx_can_bus_make(const struct lx_bus_setup *setup, lx_can_open *op
     self->open = open;
     self->promised = DG_NEVER;
     self->node = node;
-    if (understand(self, error) != 0) {
-        free_bus(self);
-        return NULL;
+    for (size_t i = 0; i < setup->count; i++) {
+        lx_can_node_make(self, i);
     }
+    to->ops = &door;
+    to->ctx = self;
+    to->frames.ops = &frames_door;
+    to->frames.real_time = true;
     return &self->bus;
 }
 
-struct lx_bus *lx_can_bus_make_socket(const struct lx_bus_setup *setup, struct lx_error *error)
+struct lx_bus *lx_can_bus_make_socket(const struct lx_bus_setup *setup, struct dg_engine_wire *to,
+                                      struct lx_error *error)
 {
-    return lx_can_bus_make(setup, lx_can_socket_open, error);
+    return lx_can_bus_make(setup, to, lx_can_socket_open, error);
 }
 
-struct lx_bus *lx_can_bus_make_slcan(const struct lx_bus_setup *setup, struct lx_error *error)
+struct lx_bus *lx_can_bus_make_slcan(const struct lx_bus_setup *setup, struct dg_engine_wire *to,
+                                     struct lx_error *error)
 {
     static const char tcp[] = "tcp:";
     const char *where = setup->wire->where;
     if (where == NULL || strncmp(where, tcp, strlen(tcp)) != 0) {
-        return lx_can_bus_make(setup, lx_slcan_pty_open, error);
+        return lx_can_bus_make(setup, to, lx_slcan_pty_open, error);
     }
-    return lx_slcan_net_check(where, error) == 0 ? lx_can_bus_make(setup, lx_slcan_net_open, error)
-                                                 : NULL;
-}
-
-struct lx_bus *lx_can_bus_make_socketcand(const struct lx_bus_setup *setup, struct lx_error *error)
-{
-    return lx_socketcand_check(setup->wire->where, error) == 0
-               ? lx_can_bus_make(setup, lx_socketcand_open, error)
+    return lx_slcan_net_check(where, error) == 0
+               ? lx_can_bus_make(setup, to, lx_slcan_net_open, error)
                : NULL;
 }
 
-struct lx_bus *lx_can_bus_make_silkit(const struct lx_bus_setup *setup, struct lx_error *error)
+struct lx_bus *lx_can_bus_make_socketcand(const struct lx_bus_setup *setup,
+                                          struct dg_engine_wire *to, struct lx_error *error)
 {
-    return lx_can_bus_make(setup, lx_silkit_can_open, error);
+    return lx_socketcand_check(setup->wire->where, error) == 0
+               ? lx_can_bus_make(setup, to, lx_socketcand_open, error)
+               : NULL;
+}
+
+struct lx_bus *lx_can_bus_make_silkit(const struct lx_bus_setup *setup, struct dg_engine_wire *to,
+                                      struct lx_error *error)
+{
+    return lx_can_bus_make(setup, to, lx_silkit_can_open, error);
 }

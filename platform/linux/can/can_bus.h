@@ -31,10 +31,7 @@ struct lx_can_bus {
     struct lx_bus bus;
     lx_can_open *open;
     struct lx_can *can;
-    struct dg_bus *wire;             /**< owned, with its encoders */
-    struct dg_bus_frames_room *room; /**< owned */
-    bool pace;                       /**< the plan wants it: frames take their time on the wire */
-    struct dg_bus_load load;         /**< of the wire */
+    struct dg_bus_load load; /**< of the wire */
     struct lx_timer timer;
     bool stalled;    /**< the wire had no room when it was looked at last */
     bool told;       /**< the wire knows who listens to what, */
@@ -48,14 +45,13 @@ struct lx_can_bus {
 };
 
 /** A bus whose wire `open` opens. @return as lx_bus_make */
-struct lx_bus *lx_can_bus_make(const struct lx_bus_setup *setup, lx_can_open *open,
-                               struct lx_error *error);
+struct lx_bus *lx_can_bus_make(const struct lx_bus_setup *setup, struct dg_engine_wire *to,
+                               lx_can_open *open, struct lx_error *error);
 
 /* --- a node, can_node.c --- */
 
-/** Understand the plan of the station at `place`, and put its encoder on the bus.
- * @return 0, or -1 with one line in `error` */
-int lx_can_node_make(struct lx_can_bus *bus, size_t place, struct lx_error *error);
+/** The station at `place`. */
+void lx_can_node_make(struct lx_can_bus *bus, size_t place);
 
 /** Load its EEPROM, switch it on. `settled`: as in lx_image_setup, with the node as ctx.
  * @return 0, or -1 with one line in `error`, then close */

@@ -25,33 +25,15 @@ const struct lx_stack lx_can_stack = {
     .without = without,
 };
 
-/* Serial numbers that the plan does not give count up along the bus. */
-static void number_encoder(struct lx_can_node *self)
+void lx_can_node_make(struct lx_can_bus *bus, size_t place)
 {
-    struct lx_station *station = self->station;
-    const struct dg_stack_setup device = dg_host_setup(station->host);
-    const uint32_t place = station->plan->serial == NULL ? (uint32_t)station->place : 0;
-    char text[16];
-    station->control.serial = device.serial + place;
-    (void)snprintf(text, sizeof text, "%lu", (unsigned long)station->control.serial);
-    (void)dg_host_set(station->host, lx_stack_serial(&lx_can_stack)->name, text);
-    self->id = device.address;
-}
-
-int lx_can_node_make(struct lx_can_bus *bus, size_t place, struct lx_error *error)
-{
-    struct lx_can_node *self = &bus->node[place];
     struct lx_station *station = bus->bus.setup.stations[place];
-    *self = (struct lx_can_node){.bus = bus, .station = station};
-    if (lx_station_make(station, &bus->bus.setup, NULL, error) != 0) {
-        return -1;
-    }
-    self->ask = dg_host_side_at(station->host)->controller;
-    self->device = dg_host_line_of(station->host)->device;
-    number_encoder(self);
-    return dg_bus_attach(bus->wire, station->host, &station->control) >= 0
-               ? 0
-               : lx_fail(error, "no place for this encoder on the bus");
+    bus->node[place] = (struct lx_can_node){
+        .bus = bus,
+        .station = station,
+        .ask = dg_host_side_at(station->host)->controller,
+        .device = dg_host_line_of(station->host)->device,
+    };
 }
 
 /* --- what it is on the bus --- */
@@ -107,6 +89,7 @@ void lx_can_tell_shared(struct lx_can_node *self)
 int lx_can_node_open(struct lx_can_node *self, void (*settled)(void *ctx, dg_ns now), dg_ns now,
                      struct lx_error *error)
 {
+    self->id = dg_host_setup(self->station->host).address;
     if (lx_station_open(self->station, &self->bus->bus.setup, settled, self, now, error) != 0) {
         return -1;
     }

@@ -193,33 +193,29 @@ struct lx_biss_line *lx_biss_line_of(const struct lx_clocked_wire *wire)
 
 /* --- from a plan --- */
 
-/* On a simulated wire the master leaves an encoder the time it has of its own. */
-static int check_timeout(const struct dg_plan *plan, const struct dg_plan_encoder *encoder,
-                         const struct dg_biss_model *model, struct lx_error *error)
+/* A clock that user space can follow is slower than the encoder's own timeout allows. */
+static void slow_down(void *settings)
 {
-    if (model->timeout == 0) {
+    struct dg_biss_model *model = settings;
+    model->timeout = model->timeout == 0 ? GPIO_TIMEOUT : model->timeout;
+}
+
+/* On a simulated wire the master leaves an encoder the time it has of its own. */
+static int check_timeout(const struct lx_bus_setup *setup, const struct lx_station *station,
+                         enum lx_clocked_master master, struct lx_error *error)
+{
+    const struct dg_biss_model *model = dg_host_line_of(station->host)->settings;
+    if (master == LX_CLOCKED_THERE || model->timeout == 0) {
         return 0;
     }
     (void)lx_refuse(error, "only with gpio", "the simulated wire has the encoder's own timeout");
     (void)lx_about(error, LX_ABOUT_SETTING, "timeout_us", NULL);
-    return lx_plan_stands(plan, dg_plan_setting_line(encoder, "timeout_us"), error);
+    return lx_plan_stands(setup->plan, dg_plan_setting_line(station->plan, "timeout_us"), error);
 }
 
-static int suit(struct lx_clocked *base, const struct lx_bus_setup *setup, size_t index,
-                enum lx_clocked_master master, struct lx_error *error)
+static dg_ns init(const void *settings)
 {
-    struct dg_biss_model *model = dg_host_line_of(base->host[index])->settings;
-    struct lx_station *station = setup->stations[index];
-    if (master == LX_CLOCKED_HERE && check_timeout(setup->plan, station->plan, model, error) != 0) {
-        return -1;
-    }
-    /* A clock that user space can follow is slower than the encoder's own timeout allows. */
-    if (master == LX_CLOCKED_THERE && model->timeout == 0) {
-        model->timeout = GPIO_TIMEOUT;
-    }
-    station->control.serial = model->serial;
-    base->init = model->init > base->init ? model->init : base->init;
-    return 0;
+    return ((const struct dg_biss_model *)settings)->init;
 }
 
 const struct lx_clocked_protocol lx_clocked_biss = {
@@ -227,7 +223,9 @@ const struct lx_clocked_protocol lx_clocked_biss = {
     .data = DATA_NAME,
     .encoders_max = DG_BISS_CHAIN_MAX,
     .size = sizeof(struct lx_biss_line),
-    .suit = suit,
+    .slow_down = slow_down,
+    .check = check_timeout,
+    .init = init,
     .rises = rises,
     .read = read_frame,
     .skip = skip,

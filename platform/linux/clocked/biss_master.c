@@ -266,6 +266,6 @@ static const struct dg_biss_port_ops port = {
 
 void lx_biss_master_offer(struct lx_station *station)
 {
-    station->control.port = &port;
-    station->control.port_ctx = station;
+    station->control->port = &port;
+    station->control->port_ctx = station;
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Lines of a plan: handles on a bus of the library, each with its EEPROM. */
+/* Lines of a plan: the door of a bus of the library, each encoder with its EEPROM. */
 #include "clocked.h"
 
 #include <stdlib.h>
@@ -37,31 +37,12 @@ void lx_clocked_listen(struct lx_clocked *self)
     dg_bus_watch(self->bus, lx_tap_on(self->tap));
 }
 
-void lx_clocked_add(struct lx_clocked *self, struct dg_host *host, struct dg_encoder *control)
+void lx_clocked_connect(struct lx_clocked *self, struct dg_bus *bus, const struct lx_tap *tap)
 {
-    self->host[self->count] = host;
-    self->control[self->count++] = control;
-}
-
-/* All speak one protocol, and there is room for them: nothing is refused. */
-void lx_clocked_connect(struct lx_clocked *self, const struct dg_bus_edges_setup *wire,
-                        const struct lx_tap *tap)
-{
-    const struct dg_bus_setup setup = {
-        .size = sizeof setup,
-        .medium = &dg_bus_edges,
-        .encoders = self->count,
-        .wire = wire,
-        .ops = &self->ops,
-        .ctx = self,
-    };
     self->tap = tap;
-    self->ops.tap = tell_levels;
-    self->bus = dg_bus_init(self->bus_memory, dg_bus_size(&dg_bus_edges, self->count), &setup);
-    for (size_t i = 0; i < self->count; i++) {
-        (void)dg_bus_attach(self->bus, self->host[i], self->control[i]);
-    }
-    self->data = dg_bus_edges_data(self->bus, 0);
+    self->bus = bus;
+    self->count = dg_bus_count(bus);
+    self->data = dg_bus_edges_data(bus, 0);
 }
 
 void lx_clocked_look(struct lx_clocked *self, dg_ns now)
@@ -73,7 +54,7 @@ void lx_clocked_look(struct lx_clocked *self, dg_ns now)
 
 void *lx_clocked_device(const struct lx_clocked *self, size_t index)
 {
-    return dg_host_line_of(self->host[index])->device;
+    return dg_host_line_of(dg_bus_encoder(self->bus, index))->device;
 }
 
 /* --- from a plan --- */
@@ -105,86 +86,109 @@ static const struct lx_clocked_protocol *choose(const struct lx_bus_setup *setup
     return first;
 }
 
-struct lx_clocked *lx_clocked_new(const struct lx_clocked_protocol *protocol, size_t count)
+struct lx_clocked *lx_clocked_new(const struct lx_clocked_protocol *protocol)
 {
     struct lx_clocked *self = calloc(1, protocol->size);
-    if (self == NULL) {
-        return NULL;
+    if (self != NULL) {
+        self->protocol = protocol;
+        self->ops.tx = take_level;
+        self->ops.tap = tell_levels;
     }
-    self->bus_memory = calloc(1, dg_bus_size(&dg_bus_edges, count));
-    if (self->bus_memory == NULL) {
-        free(self);
-        return NULL;
-    }
-    self->protocol = protocol;
-    self->ops.tx = take_level;
     return self;
 }
 
-static int place_all(struct lx_clocked *self, const struct lx_bus_setup *setup,
-                     enum lx_clocked_master master, struct lx_error *error)
+/* What the port has of its settings. */
+static void place_encoder(struct lx_clocked *self, size_t index)
 {
-    for (size_t i = 0; i < setup->count; i++) {
-        struct lx_station *station = setup->stations[i];
-        self->station[i] = station;
-        if (lx_station_make(station, setup, NULL, error) != 0) {
-            return -1;
-        }
-        self->host[i] = station->host;
-        if (self->protocol->suit(self, setup, i, master, error) != 0) {
-            return -1;
-        }
-        if (master == LX_CLOCKED_THERE) {
-            lx_clocked_hold(self, i, &station->image.queue);
-        }
+    struct lx_station *station = self->station[index];
+    const struct lx_stack *stack = lx_stack_of(station->plan->model);
+    void *settings = dg_host_line_of(station->host)->settings;
+    if (stack->instead != NULL) {
+        station->rows = (struct dg_keys){stack->instead, 1};
+        station->base = settings;
     }
-    return 0;
+    if (self->master == LX_CLOCKED_THERE) {
+        lx_clocked_hold(self, index, &station->image.queue);
+    }
+    if (self->master == LX_CLOCKED_THERE && self->protocol->slow_down != NULL) {
+        self->protocol->slow_down(settings);
+    }
 }
 
-struct lx_clocked *lx_clocked_make(const struct lx_bus_setup *setup, enum lx_clocked_master master,
-                                   struct lx_error *error)
+struct lx_clocked *lx_clocked_make(const struct lx_bus_setup *setup, struct dg_engine_wire *to,
+                                   enum lx_clocked_master master, struct lx_error *error)
 {
     const struct lx_clocked_protocol *protocol = choose(setup, error);
     if (protocol == NULL) {
         return NULL;
     }
-    struct lx_clocked *self = lx_clocked_new(protocol, setup->count);
+    struct lx_clocked *self = lx_clocked_new(protocol);
     if (self == NULL) {
         (void)lx_fail(error, "no memory for %zu encoders", setup->count);
         return NULL;
     }
-    if (place_all(self, setup, master, error) != 0) {
-        lx_clocked_close(self);
-        return NULL;
+    self->master = master;
+    self->station = setup->stations;
+    self->count = setup->count;
+    for (size_t i = 0; i < setup->count; i++) {
+        place_encoder(self, i);
     }
+    to->ops = &self->ops;
+    to->ctx = self;
     return self;
+}
+
+static const void *settings_of(const struct lx_station *station)
+{
+    return dg_host_line_of(station->host)->settings;
+}
+
+int lx_clocked_check(const struct lx_clocked *self, const struct lx_bus_setup *setup,
+                     const struct lx_station *station, struct lx_error *error)
+{
+    return self->protocol->check == NULL
+               ? 0
+               : self->protocol->check(setup, station, self->master, error);
 }
 
 int lx_clocked_check_rate(const struct lx_clocked *self, uint32_t hz, struct lx_error *error)
 {
-    return self->protocol->check_rate == NULL ? 0 : self->protocol->check_rate(self, hz, error);
+    int result = 0;
+    for (size_t i = 0; self->protocol->check_rate != NULL && result == 0 && i < self->count; i++) {
+        result = self->protocol->check_rate(settings_of(self->station[i]), hz, error);
+    }
+    return result;
 }
 
-int lx_clocked_open(struct lx_clocked *self, const struct lx_bus_setup *setup, size_t index,
-                    dg_ns now, struct lx_error *error)
+dg_ns lx_clocked_init(const struct lx_clocked *self)
 {
-    struct lx_station *station = setup->stations[index];
-    if (lx_station_open(station, setup, NULL, NULL, now, error) != 0) {
-        return -1;
+    dg_ns longest = 0;
+    for (size_t i = 0; self->protocol->init != NULL && i < self->count; i++) {
+        const dg_ns init = self->protocol->init(settings_of(self->station[i]));
+        longest = init > longest ? init : longest;
     }
-    lx_clocked_add(self, station->host, &station->control);
+    return longest;
+}
+
+int lx_clocked_open(struct lx_clocked *self, const struct lx_bus_setup *setup, struct dg_bus *bus,
+                    const struct lx_tap *tap, dg_ns now, struct lx_error *error)
+{
+    for (size_t i = 0; i < self->count; i++) {
+        if (lx_station_open(self->station[i], setup, NULL, NULL, now, error) != 0) {
+            return -1;
+        }
+    }
+    lx_clocked_connect(self, bus, tap);
+    lx_clocked_look(self, now);
+    self->data = dg_bus_edges_data(bus, now);
     return 0;
 }
 
 void lx_clocked_close(struct lx_clocked *self)
 {
-    if (self == NULL) {
-        return;
-    }
-    for (size_t i = 0; i < LX_CLOCKED_MAX && self->station[i] != NULL; i++) {
+    for (size_t i = 0; self != NULL && self->station != NULL && i < self->count; i++) {
         lx_station_close(self->station[i]);
     }
-    free(self->bus_memory);
     free(self);
 }
 

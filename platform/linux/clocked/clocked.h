@@ -59,13 +59,18 @@ struct lx_clocked_protocol {
     size_t encoders_max; /**< on one line, LX_CLOCKED_MAX at most */
     size_t size;         /**< of its line: struct lx_clocked and what the master has read */
 
-    /** The settings of encoder `index`, which the plan has made, are to suit this master. Also
-     * says how long it initialises (lx_clocked.init). @return 0, or -1 with one line in `error` */
-    int (*suit)(struct lx_clocked *self, const struct lx_bus_setup *setup, size_t index,
-                enum lx_clocked_master master, struct lx_error *error);
-    /** Whether its encoders take `hz` of a simulated wire for the clock of one frame. Optional:
-     * they take all. @return 0, or -1 with `error` */
-    int (*check_rate)(const struct lx_clocked *self, uint32_t hz, struct lx_error *error);
+    /** Settings of an encoder as delivered become what suits a master on GPIO lines, before the
+     * plan says its own. NULL: they suit every master. */
+    void (*slow_down)(void *settings);
+    /** Whether the settings of an encoder suit this master. @return 0, or -1 with one line in
+     * `error`. NULL: they do */
+    int (*check)(const struct lx_bus_setup *setup, const struct lx_station *station,
+                 enum lx_clocked_master master, struct lx_error *error);
+    /** How long an encoder initialises. NULL: not at all */
+    dg_ns (*init)(const void *settings);
+    /** Whether an encoder takes `hz` of a simulated wire for the clock of one frame. Optional:
+     * it takes all. @return 0, or -1 with `error` */
+    int (*check_rate)(const void *settings, uint32_t hz, struct lx_error *error);
     /** Rising edges of the clock in a frame, at least. */
     uint32_t (*rises)(const struct lx_clocked *self);
 
@@ -91,41 +96,41 @@ struct lx_clocked_protocol {
 /** A line; first member of each protocol's own. Not to be moved. */
 struct lx_clocked {
     const struct lx_clocked_protocol *protocol;
-    struct dg_bus *bus;       /**< NULL: not connected yet */
-    size_t count;             /**< encoders; the first is nearest to the master */
-    bool data;                /**< the level of data at the master's end */
-    dg_ns init;               /**< the longest initialisation of an encoder of the plan */
-    const struct lx_tap *tap; /**< who is told what goes over the line */
-    struct dg_bus_ops ops;    /**< of the bus */
-    void *bus_memory;
-    struct dg_host *host[LX_CLOCKED_MAX];
-    struct dg_encoder *control[LX_CLOCKED_MAX];
+    enum lx_clocked_master master;
+    struct dg_bus *bus;                         /**< NULL: not connected yet */
+    size_t count;                               /**< encoders; the first is nearest to the master */
+    bool data;                                  /**< the level of data at the master's end */
+    const struct lx_tap *tap;                   /**< who is told what goes over the line */
+    struct dg_bus_ops ops;                      /**< of the bus, whose ctx is the line */
     struct lx_nvm_queue *queue[LX_CLOCKED_MAX]; /**< NULL: nobody waits for it */
-    struct lx_station *station[LX_CLOCKED_MAX]; /**< of a plan; NULL: it is of none */
+    struct lx_station **station;                /**< of a plan; NULL: they are of none */
 };
 
-/** A line of `protocol` with room for `count` encoders, and none. @return NULL: no memory */
-struct lx_clocked *lx_clocked_new(const struct lx_clocked_protocol *protocol, size_t count);
+/** A line of `protocol` without encoders, on no bus. @return NULL: no memory */
+struct lx_clocked *lx_clocked_new(const struct lx_clocked_protocol *protocol);
 
-/** A line with what a bus is made of, which all has to speak one protocol. Nothing outside this
- * program is touched. @return NULL with one line in `error` */
-struct lx_clocked *lx_clocked_make(const struct lx_bus_setup *setup, enum lx_clocked_master master,
-                                   struct lx_error *error);
+/** A line with what a bus is made of, which all has to speak one protocol; `to` gets its door.
+ * Nothing outside this program is touched. @return NULL with one line in `error` */
+struct lx_clocked *lx_clocked_make(const struct lx_bus_setup *setup, struct dg_engine_wire *to,
+                                   enum lx_clocked_master master, struct lx_error *error);
+
+/** Whether the settings of a station suit its master, as lx_clocked_protocol.check(). */
+int lx_clocked_check(const struct lx_clocked *self, const struct lx_bus_setup *setup,
+                     const struct lx_station *station, struct lx_error *error);
 
 /** Whether the encoders take such a clock, as lx_clocked_protocol.check_rate(). */
 int lx_clocked_check_rate(const struct lx_clocked *self, uint32_t hz, struct lx_error *error);
 
-/** Load the EEPROM of encoder `index`, switch it on at `now`, and add it.
- * @return 0, or -1 with one line in `error` */
-int lx_clocked_open(struct lx_clocked *self, const struct lx_bus_setup *setup, size_t index,
-                    dg_ns now, struct lx_error *error);
+/** The longest initialisation of an encoder of the plan. */
+dg_ns lx_clocked_init(const struct lx_clocked *self);
 
-/** Add an encoder that has its power behind the others; both must outlive the line. */
-void lx_clocked_add(struct lx_clocked *self, struct dg_host *host, struct dg_encoder *control);
+/** Load the EEPROMs, switch all on at `now`, and put them on `bus`, the library's. `tap` must
+ * outlive the line. @return 0, or -1 with one line in `error` */
+int lx_clocked_open(struct lx_clocked *self, const struct lx_bus_setup *setup, struct dg_bus *bus,
+                    const struct lx_tap *tap, dg_ns now, struct lx_error *error);
 
-/** Connect the encoders that were added. `tap` must outlive the line. */
-void lx_clocked_connect(struct lx_clocked *self, const struct dg_bus_edges_setup *wire,
-                        const struct lx_tap *tap);
+/** `bus` has the encoders of the line. */
+void lx_clocked_connect(struct lx_clocked *self, struct dg_bus *bus, const struct lx_tap *tap);
 
 /** Encoder `index` does not acknowledge what is not yet through this queue. */
 void lx_clocked_hold(struct lx_clocked *self, size_t index, struct lx_nvm_queue *queue);

@@ -1,26 +1,39 @@
 /* SPDX-License-Identifier: MIT */
 #include "clocked_wire.h"
 
-void lx_clocked_wire_init(struct lx_clocked_wire *self, struct lx_clocked *line,
-                          const struct dg_plan_timing *timing, const struct lx_tap *tap, dg_ns now)
+/* Edges of the clock in a second. */
+static uint32_t edges_of(const struct dg_plan_timing *timing)
 {
-    const uint32_t edges = 2u * timing->clock_hz; /* in a second */
+    return 2u * timing->clock_hz;
+}
+
+static uint32_t half_of(const struct dg_plan_timing *timing)
+{
+    return (uint32_t)(DG_S(1) / edges_of(timing));
+}
+
+struct dg_bus_edges_setup lx_clocked_wire_cable(const struct dg_plan_timing *timing)
+{
+    return (struct dg_bus_edges_setup){
+        .size = sizeof(struct dg_bus_edges_setup),
+        .there_ns = timing->line_delay_ns,
+        .back_ns = timing->line_delay_ns,
+        .period_ns = 2u * half_of(timing),
+    };
+}
+
+void lx_clocked_wire_init(struct lx_clocked_wire *self, struct lx_clocked *line,
+                          const struct dg_plan_timing *timing, dg_ns now)
+{
     *self = (struct lx_clocked_wire){
         .line = line,
-        .half_ns = (uint32_t)(DG_S(1) / edges),
-        .rest = (uint32_t)(DG_S(1) % edges),
-        .edges_per_s = edges,
+        .half_ns = half_of(timing),
+        .rest = (uint32_t)(DG_S(1) % edges_of(timing)),
+        .edges_per_s = edges_of(timing),
         .now = now,
         .way_ns = 2u * timing->line_delay_ns,
         .compensates = timing->compensate,
     };
-    const struct dg_bus_edges_setup cable = {
-        .size = sizeof cable,
-        .there_ns = timing->line_delay_ns,
-        .back_ns = timing->line_delay_ns,
-        .period_ns = 2u * self->half_ns,
-    };
-    lx_clocked_connect(line, &cable, tap);
 }
 
 /* The next edge's time. Whole nanoseconds, and yet the clock is right on average. */

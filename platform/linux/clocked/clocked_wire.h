@@ -27,10 +27,12 @@ struct lx_clocked_wire {
     uint32_t silent;      /**< frames without an answer; counted up */
 };
 
-/** A wire at `now`, its clock high; connects the encoders, which have their power. `tap` is told
- * the levels at the master's end. */
+/** What is between such a master and the encoders, for the bus. */
+struct dg_bus_edges_setup lx_clocked_wire_cable(const struct dg_plan_timing *timing);
+
+/** A wire at `now`, its clock high. `line` is connected, its encoders have their power. */
 void lx_clocked_wire_init(struct lx_clocked_wire *self, struct lx_clocked *line,
-                          const struct dg_plan_timing *timing, const struct lx_tap *tap, dg_ns now);
+                          const struct dg_plan_timing *timing, dg_ns now);
 
 /** Half a period on, the master puts the clock to `level`. */
 void lx_clocked_wire_edge(struct lx_clocked_wire *self, bool level);

@@ -70,20 +70,15 @@ static void on_retry(void *ctx, dg_ns now)
 
 static int open_bus(struct lx_bus *bus, dg_ns now, struct lx_error *error)
 {
-    static const struct dg_bus_edges_setup wire = {.size = sizeof wire,
-                                                   .period_ns = LX_GPIO_PERIOD};
     struct gpio_bus *self = gpio_of(bus);
     const int result = lx_timer_open(&self->retry, bus->setup.event, on_retry, self);
     if (result < 0) {
         return lx_fail(error, "no timer: %s", strerror(-result));
     }
     /* The encoder got its power early enough to answer when it is announced. */
-    const dg_ns early = dg_elapsed(now, self->line->init);
-    if (lx_clocked_open(self->line, &bus->setup, 0, early, error) != 0) {
-        return -1;
-    }
-    lx_clocked_connect(self->line, &wire, &bus->tap);
-    if (take_lines(self, error) != 0) {
+    const dg_ns early = dg_elapsed(now, lx_clocked_init(self->line));
+    if (lx_clocked_open(self->line, &bus->setup, bus->core, &bus->tap, early, error) != 0 ||
+        take_lines(self, error) != 0) {
         return -1;
     }
     lx_note(bus->setup.say, "%s: libgpiod %s", self->address.text, lx_gpio_library());
@@ -133,21 +128,28 @@ static void close_bus(struct lx_bus *bus)
     free(self);
 }
 
-static const struct lx_bus_ops ops = {LX_BUS_OPERATIONS};
+static int check(struct lx_bus *bus, struct lx_station *station, struct lx_error *error)
+{
+    return lx_clocked_check(gpio_of(bus)->line, &bus->setup, station, error);
+}
+
+static const struct lx_bus_ops ops = {LX_BUS_OPERATIONS, .check = check};
 
 /* --- from the plan --- */
 
-static int understand(struct gpio_bus *self, struct lx_error *error)
+static int understand(struct gpio_bus *self, struct dg_engine_wire *to, struct lx_error *error)
 {
     const struct lx_bus_setup *setup = &self->bus.setup;
     if (lx_gpio_address_parse(&self->address, setup->wire->where, error) != 0) {
         return -1;
     }
-    self->line = lx_clocked_make(setup, LX_CLOCKED_THERE, error);
+    self->line = lx_clocked_make(setup, to, LX_CLOCKED_THERE, error);
+    to->edges.period_ns = LX_GPIO_PERIOD;
     return self->line == NULL ? -1 : 0;
 }
 
-struct lx_bus *lx_gpio_bus_make(const struct lx_bus_setup *setup, struct lx_error *error)
+struct lx_bus *lx_gpio_bus_make(const struct lx_bus_setup *setup, struct dg_engine_wire *to,
+                                struct lx_error *error)
 {
     struct gpio_bus *self = calloc(1, sizeof *self);
     if (self == NULL) {
@@ -155,7 +157,7 @@ struct lx_bus *lx_gpio_bus_make(const struct lx_bus_setup *setup, struct lx_erro
         return NULL;
     }
     self->bus = (struct lx_bus){.ops = &ops, .setup = *setup};
-    if (understand(self, error) != 0) {
+    if (understand(self, to, error) != 0) {
         free(self);
         return NULL;
     }

@@ -36,8 +36,8 @@
 
 struct sim_bus {
     struct lx_bus bus;
-    struct dg_plan_timing timing;
     struct lx_clocked *line;
+    dg_ns init; /* of the encoder that takes longest */
     struct lx_sim_master master;
     struct lx_timer timer;
     bool driven; /* by a simulation, which says when a frame is read: */
@@ -86,7 +86,7 @@ static void skip_frames(struct sim_bus *self, uint64_t n)
 /* Somebody has done something: to the encoders, or by them. */
 static void stir(struct sim_bus *self, dg_ns now)
 {
-    self->stirred = dg_after(dg_after(now, self->line->init), STIRRED);
+    self->stirred = dg_after(dg_after(now, self->init), STIRRED);
 }
 
 /* Whether somebody wants each frame, or it may come to something. */
@@ -94,7 +94,7 @@ static bool is_watched(const struct sim_bus *self)
 {
     bool watched = lx_tap_on(&self->bus.tap);
     for (size_t i = 0; i < self->bus.setup.count; i++) {
-        watched = watched || self->bus.setup.stations[i]->control.faults.wire != 0;
+        watched = watched || self->bus.setup.stations[i]->control->faults.wire != 0;
     }
     return watched;
 }
@@ -126,7 +126,7 @@ static void rest(struct sim_bus *self)
     }
     const dg_ns next = next_read(self);
     const bool wanted = is_watched(self) || next < self->stirred;
-    const dg_ns hint = lx_clocked_hint(self->line, setup->say, self->line->control[0]->name,
+    const dg_ns hint = lx_clocked_hint(self->line, setup->say, setup->stations[0]->control->name,
                                        lx_clock_now(setup->clock));
     const dg_ns due = dg_earliest(hint, wanted ? next : DG_NEVER);
     lx_timer_at(&self->timer, due != DG_NEVER ? lx_clock_real(setup->clock, due) : DG_NEVER);
@@ -157,6 +157,11 @@ static void on_time(void *ctx, dg_ns now)
 }
 
 /* --- what the control plane asks for --- */
+
+struct lx_clocked *lx_sim_bus_line(struct lx_bus *bus)
+{
+    return sim_of(bus)->line;
+}
 
 struct lx_sim_master *lx_sim_bus_begin(struct lx_bus *bus)
 {
@@ -197,14 +202,16 @@ static int open_bus(struct lx_bus *bus, dg_ns now, struct lx_error *error)
 {
     struct sim_bus *self = sim_of(bus);
     const struct lx_bus_setup *setup = &bus->setup;
-    self->due = dg_after(now, self->line->init);
+    self->init = lx_clocked_init(self->line);
+    self->due = dg_after(now, self->init);
+    if (lx_clocked_open(self->line, setup, bus->core, &bus->tap, now, error) != 0) {
+        return -1;
+    }
     for (size_t i = 0; i < setup->count; i++) {
-        if (lx_clocked_open(self->line, setup, i, now, error) != 0) {
-            return -1;
-        }
         setup->stations[i]->ready = self->driven ? DG_NEVER : self->due;
     }
-    lx_sim_master_init(&self->master, &bus->tap, self->line, &self->timing, now);
+    lx_sim_master_init(&self->master, &bus->tap, self->line,
+                       &dg_engine_wire_of(setup->engine, setup->index)->line.timing, now);
     const int result = lx_timer_open(&self->timer, setup->event, on_time, self);
     if (result < 0) {
         return lx_fail(error, "no timer: %s", strerror(-result));
@@ -260,15 +267,29 @@ static void close_bus(struct lx_bus *bus)
     free(self);
 }
 
+/* A simulation has a clock of its own, which suits all. */
+static int check(struct lx_bus *bus, struct lx_station *station, struct lx_error *error)
+{
+    const struct sim_bus *self = sim_of(bus);
+    const struct lx_bus_setup *setup = &bus->setup;
+    if (lx_clocked_check(self->line, setup, station, error) != 0) {
+        return -1;
+    }
+    const bool last = station->place + 1u == setup->count;
+    return last && !self->driven ? lx_sim_timing_check(setup, self->line, error) : 0;
+}
+
 static const struct lx_bus_ops ops = {
     LX_BUS_OPERATIONS,
+    .check = check,
     .look = look,
     .read = read_one,
 };
 
 /* --- from the plan --- */
 
-static struct lx_bus *make(const struct lx_bus_setup *setup, bool driven, struct lx_error *error)
+static struct lx_bus *make(const struct lx_bus_setup *setup, struct dg_engine_wire *to, bool driven,
+                           struct lx_error *error)
 {
     struct sim_bus *self = calloc(1, sizeof *self);
     if (self == NULL) {
@@ -276,25 +297,25 @@ static struct lx_bus *make(const struct lx_bus_setup *setup, bool driven, struct
         return NULL;
     }
     self->bus = (struct lx_bus){.ops = &ops, .setup = *setup};
-    self->timing = dg_plan_timing_usual;
     self->driven = driven;
-    self->line = lx_clocked_make(setup, LX_CLOCKED_HERE, error);
-    if (self->line == NULL || (!driven && lx_sim_timing_set(setup->plan, setup->wire, self->line,
-                                                            &self->timing, error) != 0)) {
-        lx_clocked_close(self->line);
+    self->line = lx_clocked_make(setup, to, LX_CLOCKED_HERE, error);
+    if (self->line == NULL) {
         free(self);
         return NULL;
     }
+    to->edges = lx_clocked_wire_cable(&to->line.timing);
     lx_clocked_offer(self->line, setup);
     return &self->bus;
 }
 
-struct lx_bus *lx_sim_bus_make(const struct lx_bus_setup *setup, struct lx_error *error)
+struct lx_bus *lx_sim_bus_make(const struct lx_bus_setup *setup, struct dg_engine_wire *to,
+                               struct lx_error *error)
 {
-    return make(setup, false, error);
+    return make(setup, to, false, error);
 }
 
-struct lx_bus *lx_sim_bus_make_silkit(const struct lx_bus_setup *setup, struct lx_error *error)
+struct lx_bus *lx_sim_bus_make_silkit(const struct lx_bus_setup *setup, struct dg_engine_wire *to,
+                                      struct lx_error *error)
 {
-    return make(setup, true, error);
+    return make(setup, to, true, error);
 }

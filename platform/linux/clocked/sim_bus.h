@@ -9,6 +9,9 @@
 #include "bus.h"
 #include "sim_master.h"
 
+/** Its line, for who has a master of its own and does not open the bus. */
+struct lx_clocked *lx_sim_bus_line(struct lx_bus *bus);
+
 /** Its master, at the present moment; nothing else may happen on the wire up to lx_sim_bus_end().
  */
 struct lx_sim_master *lx_sim_bus_begin(struct lx_bus *bus);

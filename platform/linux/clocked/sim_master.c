@@ -6,7 +6,9 @@
 int lx_sim_master_name(const struct lx_sim_master *self, size_t encoder, char *text, size_t size)
 {
     const struct lx_clocked *line = self->wire.line;
-    return line->count == 1 ? 0 : snprintf(text, size, "%.32s: ", line->control[encoder]->name);
+    return line->count == 1
+               ? 0
+               : snprintf(text, size, "%.32s: ", line->station[encoder]->control->name);
 }
 
 void lx_sim_master_note(const struct lx_sim_master *self, const char *text,
@@ -26,7 +28,7 @@ void lx_sim_master_init(struct lx_sim_master *self, const struct lx_tap *tap,
                         struct lx_clocked *line, const struct dg_plan_timing *timing, dg_ns now)
 {
     self->tap = tap;
-    lx_clocked_wire_init(&self->wire, line, timing, tap, now);
+    lx_clocked_wire_init(&self->wire, line, timing, now);
 }
 
 void lx_sim_master_pause(struct lx_sim_master *self, dg_ns now)

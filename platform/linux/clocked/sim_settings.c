@@ -28,18 +28,15 @@ static int refuse_key(const struct dg_plan *plan, const struct dg_plan_wire *wir
     return lx_plan_refuse_setting(plan, row, error);
 }
 
-int lx_sim_timing_set(const struct dg_plan *plan, const struct dg_plan_wire *wire,
-                      const struct lx_clocked *line, struct dg_plan_timing *timing,
-                      struct lx_error *error)
+int lx_sim_timing_check(const struct lx_bus_setup *setup, const struct lx_clocked *line,
+                        struct lx_error *error)
 {
-    *timing = dg_plan_timing_usual;
-    if (lx_wire_settings(plan, wire, timing, error) != 0) {
-        return -1;
-    }
+    const struct dg_plan_timing *timing =
+        &dg_engine_wire_of(setup->engine, setup->index)->line.timing;
     if (check_timing(timing, error) != 0) {
-        return refuse_key(plan, wire, "compensate", error);
+        return refuse_key(setup->plan, setup->wire, "compensate", error);
     }
     return lx_clocked_check_rate(line, timing->clock_hz, error) == 0
                ? 0
-               : refuse_key(plan, wire, "clock_hz", error);
+               : refuse_key(setup->plan, setup->wire, "clock_hz", error);
 }

@@ -196,42 +196,29 @@ static int read_word(void *ctx, uint64_t *bits, char *detail)
 static void offer(struct lx_station *station)
 {
     static const struct dg_ssi_port_ops port = {.frame = read_word};
-    station->control.port = &port;
-    station->control.port_ctx = station;
+    station->control->port = &port;
+    station->control->port_ctx = station;
 }
 
 /* --- from a plan --- */
 
-static bool is_set(const struct dg_plan_settings *settings, const char *key)
+/* A clock that user space can follow is slower than the encoder's own time allows. */
+static void slow_down(void *settings)
 {
-    for (size_t i = 0; i < settings->count; i++) {
-        if (strcmp(settings->list[i].key, key) == 0) {
-            return true;
-        }
-    }
-    return false;
+    struct dg_ssi_model *model = settings;
+    model->monoflop = GPIO_MONOFLOP;
 }
 
-static int suit(struct lx_clocked *base, const struct lx_bus_setup *setup, size_t index,
-                enum lx_clocked_master master, struct lx_error *error)
+static dg_ns init(const void *settings)
 {
-    struct dg_ssi_model *model = dg_host_line_of(base->host[index])->settings;
-    (void)error;
-    /* A clock that user space can follow is slower than the encoder's own time allows. */
-    if (master == LX_CLOCKED_THERE &&
-        !is_set(&setup->stations[index]->plan->settings, "monoflop_us")) {
-        model->monoflop = GPIO_MONOFLOP;
-    }
-    base->init = model->init;
-    return 0;
+    return ((const struct dg_ssi_model *)settings)->init;
 }
 
 /* Each falling edge has to come before the monoflop time from the one before is over. The edges of
    the wire are at whole nanoseconds. */
-static int check_rate(const struct lx_clocked *base, uint32_t hz, struct lx_error *error)
+static int check_rate(const void *settings, uint32_t hz, struct lx_error *error)
 {
-    const dg_ns monoflop =
-        ((const struct dg_ssi_model *)dg_host_line_of(base->host[0])->settings)->monoflop;
+    const dg_ns monoflop = ((const struct dg_ssi_model *)settings)->monoflop;
     const dg_ns period = (DG_S(1) + hz - 1u) / hz;
     struct lx_words right = {""};
     if (period < monoflop) {
@@ -250,7 +237,8 @@ const struct lx_clocked_protocol lx_clocked_ssi = {
     .data = DATA_NAME,
     .encoders_max = 1,
     .size = sizeof(struct lx_ssi_line),
-    .suit = suit,
+    .slow_down = slow_down,
+    .init = init,
     .check_rate = check_rate,
     .rises = rises,
     .read = read_frame,

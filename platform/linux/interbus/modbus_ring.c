@@ -8,59 +8,39 @@
 #include <stdlib.h>
 #include <string.h>
 
-struct dg_nvm lx_ring_nvm(const struct lx_ring *self, size_t index)
+static struct lx_station *station_at(const struct lx_ring *self, size_t index)
 {
-    return self->part_of[index]->device.nvm;
+    return self->setup->stations[index];
 }
 
-const struct lx_nvm_queue *lx_ring_queue(const struct lx_ring *self, size_t index)
+static struct dg_host_line *line_at(const struct lx_ring *self, size_t index)
 {
-    return lx_image_queue(self->part_of[index]->image);
+    return dg_host_line_of(station_at(self, index)->host);
 }
 
 struct dg_ib *lx_ring_device(const struct lx_ring *self, size_t index)
 {
-    return dg_host_line_of(self->encoders[index])->device;
+    return line_at(self, index)->device;
 }
 
 const struct dg_ib_model *lx_ring_model(const struct lx_ring *self, size_t index)
 {
-    return dg_host_line_of(self->encoders[index])->settings;
+    return line_at(self, index)->settings;
 }
 
 struct dg_world *lx_ring_world(const struct lx_ring *self, size_t index)
 {
-    return dg_host_world(self->encoders[index]);
+    return dg_host_world(station_at(self, index)->host);
 }
 
-/* In memory of its own. NULL: there is none. */
-static struct dg_host *make_encoder(const struct lx_ring_member *member)
-{
-    const size_t size = dg_host_size_on_bus(member->device, &dg_ib_side);
-    void *memory = aligned_alloc(DG_HOST_ALIGN, size);
-    if (memory == NULL) {
-        return NULL;
-    }
-    struct dg_host *encoder = dg_host_init_on_bus(memory, size, member->device, &dg_ib_side);
-    *(struct dg_ib_model *)dg_host_line_of(encoder)->settings = member->model;
-    *dg_host_world(encoder) = *member->world;
-    return encoder;
-}
+/* --- memories --- */
 
-static int make_encoders(struct lx_ring *self, const struct lx_ring_setup *setup,
-                         struct lx_error *error)
+static bool make_room(struct lx_ring *self)
 {
-    self->encoders = calloc(setup->count, sizeof(struct dg_host *));
-    self->part_of = calloc(setup->count, sizeof(struct lx_image_part *));
-    self->parts = calloc(setup->count, sizeof *self->parts);
-    self->stores = calloc(setup->count, sizeof *self->stores);
-    bool made = self->encoders != NULL && self->part_of != NULL && self->parts != NULL &&
-                self->stores != NULL;
-    for (; made && self->count < setup->count; self->count += made ? 1u : 0u) {
-        self->encoders[self->count] = make_encoder(&setup->members[self->count]);
-        made = self->encoders[self->count] != NULL;
-    }
-    return made ? 0 : lx_fail(error, "no memory for %zu devices", setup->count);
+    self->part_of = calloc(self->count, sizeof(struct lx_image_part *));
+    self->parts = calloc(self->count, sizeof *self->parts);
+    self->stores = calloc(self->count, sizeof *self->stores);
+    return self->part_of != NULL && self->parts != NULL && self->stores != NULL;
 }
 
 static bool same_path(const char *a, const char *b)
@@ -70,13 +50,12 @@ static bool same_path(const char *a, const char *b)
 
 /* The parts of the devices with this file, one of which is the first that has it; NULL: of those
    without. */
-static void gather(struct lx_ring *self, const struct lx_ring_setup *setup, size_t first,
-                   struct lx_image_part *parts)
+static void gather(struct lx_ring *self, size_t first, struct lx_image_part *parts)
 {
     struct lx_ring_store *store = &self->stores[self->store_count++];
-    *store = (struct lx_ring_store){.path = setup->members[first].nvm, .parts = parts};
-    for (size_t i = first; i < setup->count; i++) {
-        if (!same_path(setup->members[i].nvm, store->path)) {
+    *store = (struct lx_ring_store){.path = station_at(self, first)->plan->nvm, .parts = parts};
+    for (size_t i = first; i < self->count; i++) {
+        if (!same_path(station_at(self, i)->plan->nvm, store->path)) {
             continue;
         }
         self->part_of[i] = &parts[store->count++];
@@ -90,12 +69,12 @@ static void gather(struct lx_ring *self, const struct lx_ring_setup *setup, size
 }
 
 /* Which part of which memory is whose. */
-static void share_out(struct lx_ring *self, const struct lx_ring_setup *setup)
+static void share_out(struct lx_ring *self)
 {
     size_t used = 0;
-    for (size_t i = 0; i < setup->count; i++) {
+    for (size_t i = 0; i < self->count; i++) {
         if (self->part_of[i] == NULL) {
-            gather(self, setup, i, &self->parts[used]);
+            gather(self, i, &self->parts[used]);
             used += self->stores[self->store_count - 1].count;
         }
     }
@@ -118,8 +97,8 @@ static int open_store(struct lx_ring_store *self, const struct lx_ring_setup *se
         .answer = lx_ib_stack.spoiled,
         .parts = self->parts,
         .count = self->count,
-        .say = setup->say,
-        .writer = setup->writer,
+        .say = setup->bus->say,
+        .writer = setup->bus->writer,
         .settled = setup->settled,
         .ctx = setup->ctx,
     };
@@ -179,53 +158,24 @@ static enum dg_bus_answer answer_now(void *ctx, size_t place)
     return lx_nvm_answer_of(lx_nvm_queue_state(&part->image->queue, part->ticket));
 }
 
-static const struct dg_bus_ops ring_ops = {
+const struct dg_bus_ops lx_ring_ops = {
     .tap = tell_tap,
     .answer = answer_now,
     .ticket = last_ticket,
 };
 
-static int make_ring(struct lx_ring *self, struct lx_error *error)
+static int switch_on(const struct lx_ring *self, size_t index, dg_ns now, struct lx_error *error)
 {
-    const struct dg_bus_words_setup wire = {
-        .size = sizeof wire,
-        .in = self->in,
-        .words = LX_RING_WORDS_MAX,
-        .identifies = true,
-    };
-    const struct dg_bus_setup setup = {
-        .size = sizeof setup,
-        .medium = &dg_bus_words,
-        .encoders = self->count,
-        .wire = &wire,
-        .ops = &ring_ops,
-        .ctx = self,
-    };
-    const size_t size = dg_bus_size(&dg_bus_words, self->count);
-    if (size == 0) {
-        return lx_fail(error, "a ring has 1 to %u devices, not %zu", DG_RING_MAX, self->count);
+    struct lx_station *station = station_at(self, index);
+    const struct dg_nvm *nvm = &self->part_of[index]->device.nvm;
+    struct dg_plan_error ignored;
+    if ((nvm->ops != NULL && dg_host_memory_port(station->host, nvm) != DG_HOST_OK) ||
+        dg_engine_power_encoder(self->setup->engine, lx_station_index(station, self->setup), now,
+                                &ignored) != 0) {
+        return lx_fail(error, "device %zu does not start: not its EEPROM", index);
     }
-    void *memory = aligned_alloc(DG_HOST_ALIGN, size);
-    self->bus = memory != NULL ? dg_bus_init(memory, size, &setup) : NULL;
-    if (self->bus == NULL) {
-        return lx_fail(error, "no memory for a ring of %zu devices", self->count);
-    }
-    self->is = dg_ring_state(self->bus);
-    return 0;
-}
-
-static int switch_on(struct lx_ring *self, const struct lx_ring_setup *setup, dg_ns now,
-                     struct lx_error *error)
-{
-    for (size_t i = 0; i < setup->count; i++) {
-        struct dg_host *encoder = self->encoders[i];
-        const struct dg_nvm nvm = lx_ring_nvm(self, i);
-        if ((nvm.ops != NULL && dg_host_memory_port(encoder, &nvm) != DG_HOST_OK) ||
-            dg_host_power(encoder, now, true) != DG_HOST_OK) {
-            return lx_fail(error, "device %zu does not start: not its EEPROM", i);
-        }
-        (void)dg_bus_attach(self->bus, encoder, setup->members[i].control);
-    }
+    station->queue = nvm->ops == NULL ? NULL : lx_image_queue(self->part_of[index]->image);
+    (void)dg_bus_changed(self->bus, index, now);
     return 0;
 }
 
@@ -233,14 +183,21 @@ int lx_ring_open(struct lx_ring *self, const struct lx_ring_setup *setup, dg_ns 
                  struct lx_error *error)
 {
     memset(self, 0, sizeof *self);
+    self->setup = setup->bus;
     self->tap = setup->tap;
-    if (make_encoders(self, setup, error) != 0) {
-        return -1;
+    self->count = setup->bus->count;
+    self->bus = setup->core;
+    self->is = dg_ring_state(self->bus);
+    self->in = dg_engine_wire_of(setup->bus->engine, setup->bus->index)->words.in;
+    if (!make_room(self)) {
+        return lx_fail(error, "no memory for %zu devices", self->count);
     }
-    share_out(self, setup);
-    return open_stores(self, setup, error) != 0 || make_ring(self, error) != 0
-               ? -1
-               : switch_on(self, setup, now, error);
+    share_out(self);
+    int result = open_stores(self, setup, error);
+    for (size_t i = 0; result == 0 && i < self->count; i++) {
+        result = switch_on(self, i, now, error);
+    }
+    return result;
 }
 
 void lx_ring_close(struct lx_ring *self)
@@ -248,14 +205,9 @@ void lx_ring_close(struct lx_ring *self)
     for (size_t i = 0; i < self->store_count; i++) {
         lx_image_close(&self->stores[i].image);
     }
-    for (size_t i = 0; i < self->count; i++) {
-        free(self->encoders[i]);
-    }
-    free(self->bus);
     free(self->stores);
     free(self->parts);
     free(self->part_of);
-    free(self->encoders);
     memset(self, 0, sizeof *self);
 }
 

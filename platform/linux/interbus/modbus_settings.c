@@ -10,14 +10,3 @@ const struct lx_stack lx_ib_stack = {
     .spoiled = "the encoder answers 86000000h",
     .is_ring = true,
 };
-
-/* As one of a ring a K1 takes turns and leaves them. */
-struct dg_ib_model lx_ib_settings_model(const struct dg_ib_model *settings, uint32_t index)
-{
-    struct dg_ib_model model = *settings;
-    if (model.profile == DG_IB_K1) {
-        model.turns = 1;
-    }
-    model.serial = (model.serial + index) & DG_IB_DATA_MASK;
-    return model;
-}

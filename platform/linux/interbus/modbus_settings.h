@@ -16,7 +16,4 @@
 /** The protocol, as the port knows it; its settings are a struct dg_ib_model. */
 extern const struct lx_stack lx_ib_stack;
 
-/** The model as it was set; its serial number counts up by `index`. */
-struct dg_ib_model lx_ib_settings_model(const struct dg_ib_model *settings, uint32_t index);
-
 #endif

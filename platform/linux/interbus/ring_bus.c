@@ -16,9 +16,8 @@
 
 struct ring_bus {
     struct lx_bus bus;
-    struct dg_plan_ring settings;   /* of the ring as a whole */
-    struct lx_ring_member *members; /* owned, as many as stations */
     struct lx_ring ring;
+    struct dg_ib_model ignored; /* what is said of the turns of a K1, which has none */
     struct lx_modbus coupler;
     bool coupled; /* the coupler was opened */
     bool driven;  /* there is none: a simulation lets it cycle */
@@ -35,7 +34,7 @@ static bool is_bent(const struct ring_bus *self)
 {
     bool bent = false;
     for (size_t i = 0; i < self->bus.setup.count; i++) {
-        bent = bent || self->bus.setup.stations[i]->control.faults.wire != 0;
+        bent = bent || self->bus.setup.stations[i]->control->faults.wire != 0;
     }
     return bent;
 }
@@ -92,13 +91,14 @@ static int open_topics(struct ring_bus *self, struct lx_error *error)
 
 static int open_coupler(struct ring_bus *self, struct lx_error *error)
 {
-    const struct dg_plan_wire *wire = self->bus.setup.wire;
+    const struct lx_bus_setup *setup = &self->bus.setup;
+    const struct dg_plan_ring *ring = &dg_engine_wire_of(setup->engine, setup->index)->line.ring;
     const struct lx_modbus_setup coupler = {
-        .event = self->bus.setup.event,
-        .where = wire->where,
+        .event = setup->event,
+        .where = setup->wire->where,
         .ring = &self->ring,
-        .cycle = DG_US(self->settings.cycle_us),
-        .tear = self->settings.tear,
+        .cycle = DG_US(ring->cycle_us),
+        .tear = ring->tear,
         .drive = drive,
         .ctx = self,
     };
@@ -132,11 +132,9 @@ static int open_bus(struct lx_bus *bus, dg_ns now, struct lx_error *error)
     struct ring_bus *self = ring_of(bus);
     const struct lx_bus_setup *setup = &bus->setup;
     const struct lx_ring_setup ring = {
-        .members = self->members,
-        .count = setup->count,
+        .bus = setup,
+        .core = bus->core,
         .tap = &bus->tap,
-        .say = setup->say,
-        .writer = setup->writer,
         .settled = on_settled,
         .ctx = self,
     };
@@ -146,17 +144,7 @@ static int open_bus(struct lx_bus *bus, dg_ns now, struct lx_error *error)
     if ((self->driven ? open_topics : open_coupler)(self, error) != 0) {
         return -1;
     }
-    dg_ring_cut(self->ring.bus, self->settings.break_at);
     stir(self, now);
-    for (size_t i = 0; i < setup->count; i++) {
-        struct dg_encoder *encoder = &setup->stations[i]->control;
-        encoder->device = lx_ring_device(&self->ring, i);
-        encoder->world = lx_ring_world(&self->ring, i);
-        encoder->nvm = lx_ring_nvm(&self->ring, i);
-        if (encoder->nvm.ops != NULL) {
-            setup->stations[i]->queue = lx_ring_queue(&self->ring, i);
-        }
-    }
     return 0;
 }
 
@@ -182,7 +170,7 @@ static void changed(struct lx_bus *bus, struct lx_station *station, dg_ns now)
     look(bus, now); /* what is over was not bent by what comes now */
     self->bent = is_bent(self);
     if (station != NULL) {
-        (void)dg_bus_changed(self->ring.bus, station->place, now);
+        (void)dg_bus_changed(bus->core, station->place, now);
     }
     stir(self, now);
 }
@@ -190,7 +178,7 @@ static void changed(struct lx_bus *bus, struct lx_station *station, dg_ns now)
 static void counters(const struct lx_bus *bus, const struct lx_station *station, struct dg_scpi *to)
 {
     const struct ring_bus *self = (const struct ring_bus *)bus;
-    const struct dg_ring_counters *ring = &self->ring.is->counters;
+    const struct dg_ring_counters *ring = &dg_ring_state(bus->core)->counters;
     const struct lx_count rows[] = {
         {"wire_up", self->driven || self->coupler.listener >= 0},
         {"wire_late", bus->late + bus->stalls},
@@ -211,7 +199,6 @@ static void close_bus(struct lx_bus *bus)
         lx_modbus_close(&self->coupler);
     }
     lx_ring_close(&self->ring);
-    free(self->members);
     free(self);
 }
 
@@ -223,69 +210,46 @@ static const struct lx_bus_ops bus_ops = {
 
 /* --- from the plan --- */
 
-static int understand_ring(struct ring_bus *self, struct lx_error *error)
+/* As one of a ring a K1 takes turns and leaves them. */
+static void place_encoder(struct ring_bus *self, struct lx_station *station)
 {
-    const struct lx_bus_setup *setup = &self->bus.setup;
-    const char *where = setup->wire->where;
-    if (!lx_modbus_address_fits(where)) {
-        return lx_refuse(error, LX_MODBUS_RIGHT, "%s", "");
+    const struct dg_ib_model *model = dg_host_line_of(station->host)->settings;
+    if (model->profile == DG_IB_K1) {
+        station->rows = (struct dg_keys){dg_keys_find(&dg_ib_keys, "turns"), 1};
+        station->base = &self->ignored;
     }
-    return lx_wire_settings(setup->plan, setup->wire, &self->settings, error);
 }
 
-/* A serial number that was asked for is this one's; the models' own count up. */
-static int understand(struct ring_bus *self, size_t place, struct lx_error *error)
+static struct lx_bus *make(const struct lx_bus_setup *setup, struct dg_engine_wire *to, bool driven,
+                           struct lx_error *error)
 {
-    const struct lx_bus_setup *setup = &self->bus.setup;
-    struct lx_station *station = setup->stations[place];
-    const struct dg_plan_encoder *encoder = station->plan;
-    struct lx_ring_member *member = &self->members[place];
-    struct dg_ib_model settings;
-    if (lx_stack_settings(setup->plan, setup->wire, encoder, &settings, &station->world, error) !=
-        0) {
-        return -1;
+    if (!driven && !lx_modbus_address_fits(setup->wire->where)) {
+        (void)lx_refuse(error, LX_MODBUS_RIGHT, "%s", "");
+        return NULL;
     }
-    const uint32_t index = encoder->serial == NULL ? (uint32_t)place : 0u;
-    member->model = lx_ib_settings_model(&settings, index);
-    member->device = encoder->model;
-    member->world = &station->world;
-    member->control = &station->control;
-    member->nvm = encoder->nvm;
-    station->control.serial = member->model.serial;
-    return 0;
-}
-
-static struct lx_bus *make(const struct lx_bus_setup *setup, bool driven, struct lx_error *error)
-{
     struct ring_bus *self = calloc(1, sizeof *self);
-    struct lx_ring_member *members = calloc(setup->count, sizeof *members);
-    if (self == NULL || members == NULL) {
+    if (self == NULL) {
         (void)lx_fail(error, "no memory for %zu encoders", setup->count);
-        free(members);
-        free(self);
         return NULL;
     }
     self->bus = (struct lx_bus){.ops = &bus_ops, .setup = *setup};
-    self->members = members;
     self->driven = driven;
-    self->settings = dg_plan_ring_usual;
-    int result = driven ? 0 : understand_ring(self, error);
-    for (size_t i = 0; result == 0 && i < setup->count; i++) {
-        result = understand(self, i, error);
+    for (size_t i = 0; i < setup->count; i++) {
+        place_encoder(self, setup->stations[i]);
     }
-    if (result != 0) {
-        close_bus(&self->bus);
-        return NULL;
-    }
+    to->ops = &lx_ring_ops;
+    to->ctx = &self->ring;
     return &self->bus;
 }
 
-struct lx_bus *lx_ring_bus_make(const struct lx_bus_setup *setup, struct lx_error *error)
+struct lx_bus *lx_ring_bus_make(const struct lx_bus_setup *setup, struct dg_engine_wire *to,
+                                struct lx_error *error)
 {
-    return make(setup, false, error);
+    return make(setup, to, false, error);
 }
 
-struct lx_bus *lx_ring_bus_make_silkit(const struct lx_bus_setup *setup, struct lx_error *error)
+struct lx_bus *lx_ring_bus_make_silkit(const struct lx_bus_setup *setup, struct dg_engine_wire *to,
+                                       struct lx_error *error)
 {
-    return make(setup, true, error);
+    return make(setup, to, true, error);
 }

@@ -2,11 +2,14 @@
 #include "hf_settings.h"
 #include "trace_format.h"
 
-#include <stddef.h>
+/* Sine and cosine in a trace: time between samples; 0: none. */
+static const dg_ns sincos_usual = DG_MS(1);
 
-#define LINE offsetof(struct lx_hf_settings, line)
-
-static const struct dg_key keys[] = {LX_LINE_KEYS(LINE), LX_LINE_SINCOS_KEY(LINE)};
+/* clang-format off */
+static const struct dg_key keys[] = {
+    {"sincos_us", "us", 0, DG_KEY_NS, 0, 1000, 0, 1000000, NULL, "sine and cosine in a VCD trace: time between samples; 0: none"},
+};
+/* clang-format on */
 
 static int check_steps(const struct dg_hf_model *model, struct lx_error *error)
 {
@@ -26,7 +29,7 @@ static int check_steps(const struct dg_hf_model *model, struct lx_error *error)
 
 static int check(const void *settings, struct lx_error *error)
 {
-    const struct dg_hf_model *model = &((const struct lx_hf_settings *)settings)->encoder.model;
+    const struct dg_hf_model *model = &((const struct dg_hf_settings *)settings)->model;
     struct lx_words right = {""};
     if (model->implemented_blocks != 0 && model->implemented_blocks < model->memory_blocks) {
         lx_words_add(&right, "%u..128 is right, or 0: as memory", model->memory_blocks);
@@ -43,8 +46,6 @@ const struct lx_stack lx_hf_stack = {
     .baud = 38400,
     .spoiled = "the encoder answers 05h",
     .own = {keys, DG_COUNT(keys)},
-    .own_at = LINE,
-    .own_size = sizeof(struct lx_line_settings),
-    .usual = &lx_line_usual,
+    .usual = &sincos_usual,
     .check = check,
 };

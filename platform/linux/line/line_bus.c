@@ -11,11 +11,6 @@ static struct lx_line_bus *line_of(struct lx_bus *bus)
     return (struct lx_line_bus *)bus;
 }
 
-static const struct lx_stack *stack_of(const struct lx_line_encoder *self)
-{
-    return lx_stack_of(self->station->plan->model);
-}
-
 /* --- the operations --- */
 
 /* What was set over the line stays. */
@@ -51,22 +46,13 @@ static struct dg_host_uart uart_of(const struct lx_line_encoder *self, bool stor
 
 static bool nobody_asks(const struct lx_line_bus *self)
 {
+    const struct lx_bus_setup *setup = &self->bus.setup;
+    bool any = true;
     for (size_t i = 0; i < self->count; i++) {
-        if (!self->encoder[i].settings.any_line) {
-            return false;
-        }
+        const size_t index = lx_station_index(self->encoder[i].station, setup);
+        any = any && dg_engine_end_of(setup->engine, index).any_line;
     }
-    return true;
-}
-
-static bool nobody_hurries(const struct lx_line_bus *self)
-{
-    for (size_t i = 0; i < self->count; i++) {
-        if (!self->encoder[i].settings.pace) {
-            return false;
-        }
-    }
-    return true;
+    return any;
 }
 
 static int open_port(struct lx_line_bus *self, struct lx_error *error)
@@ -92,40 +78,20 @@ static int open_port(struct lx_line_bus *self, struct lx_error *error)
     return self->port == NULL ? -1 : 0;
 }
 
-/* The port is open: how it sends is known. */
-static int open_line(struct lx_line_bus *self, struct lx_error *error)
+/* The port is open: how it sends is known. @return when the encoders want to be called */
+static dg_ns begin_line(struct lx_line_bus *self, dg_ns now)
 {
-    self->paced = !self->port->timed && nobody_hurries(self);
-    const struct dg_characters_setup wire = {
-        .size = sizeof wire,
-        .paced = self->paced,
-        .live = true,
-        .late = LX_BUS_LATE,
-        .whole = self->port->timed ? lx_line_whole : NULL,
-    };
-    const struct dg_bus_setup setup = {
-        .size = sizeof setup,
-        .medium = &dg_bus_characters,
-        .encoders = self->count,
-        .wire = &wire,
-        .ops = &lx_line_ops,
-        .ctx = self,
-    };
-    const size_t size = dg_bus_size(&dg_bus_characters, self->count);
-    void *memory = aligned_alloc(DG_HOST_ALIGN, size);
-    self->line = memory == NULL ? NULL : dg_bus_init(memory, size, &setup);
-    if (self->line == NULL) {
-        free(memory);
-        return lx_fail(error, "no memory for %zu encoders", self->count);
+    const struct lx_bus_setup *setup = &self->bus.setup;
+    dg_ns next = DG_NEVER;
+    self->paced =
+        !self->port->timed && dg_engine_wire_of(setup->engine, setup->index)->characters.paced;
+    if (self->port->timed) {
+        dg_bus_characters_whole(self->bus.core, lx_line_whole);
     }
     for (size_t i = 0; i < self->count; i++) {
-        const struct lx_line_encoder *encoder = &self->encoder[i];
-        const struct dg_characters_end end = {.any_line = encoder->settings.any_line,
-                                              .at_once = !encoder->settings.pace};
-        (void)dg_bus_attach(self->line, encoder->station->host, &encoder->station->control);
-        dg_bus_characters_set(self->line, i, &end);
+        next = dg_bus_changed(self->bus.core, i, now);
     }
-    return 0;
+    return next;
 }
 
 static int open_bus(struct lx_bus *bus, dg_ns now, struct lx_error *error)
@@ -136,11 +102,11 @@ static int open_bus(struct lx_bus *bus, dg_ns now, struct lx_error *error)
             return -1;
         }
     }
-    if (open_port(self, error) != 0 || open_line(self, error) != 0) {
+    if (open_port(self, error) != 0) {
         return -1;
     }
     /* The first deadline: the end of the start-up window. */
-    lx_line_settle(self, dg_bus_next(self->line));
+    lx_line_settle(self, begin_line(self, now));
     return 0;
 }
 
@@ -157,17 +123,17 @@ static void changed(struct lx_bus *bus, struct lx_station *station, dg_ns now)
     lx_line_enter(self);
     for (size_t i = 0; i < self->count; i++) {
         if (station == NULL || station == self->encoder[i].station) {
-            (void)dg_bus_changed(self->line, i, now);
+            (void)dg_bus_changed(bus->core, i, now);
         }
     }
-    lx_line_settle(self, dg_bus_next(self->line));
+    lx_line_settle(self, dg_bus_next(bus->core));
 }
 
 static void counters(const struct lx_bus *bus, const struct lx_station *station, struct dg_scpi *to)
 {
     const struct lx_line_bus *self = (const struct lx_line_bus *)bus;
-    const struct dg_characters_counters counted = dg_bus_characters_counters(self->line);
-    const struct dg_host_uart uart = dg_bus_characters_uart(self->line, station->place);
+    const struct dg_characters_counters counted = dg_bus_characters_counters(bus->core);
+    const struct dg_host_uart uart = dg_bus_characters_uart(bus->core, station->place);
     const struct lx_count rows[] = {
         {"wire_up", lx_serial_up(self->port)},
         {"wire_late", bus->late + bus->stalls},
@@ -188,7 +154,6 @@ static void close_bus(struct lx_bus *bus)
     }
     lx_serial_close(self->port);
     lx_timer_close(&self->timer);
-    free(self->line);
     free(self);
 }
 
@@ -196,28 +161,23 @@ static const struct lx_bus_ops ops = {LX_BUS_OPERATIONS};
 
 /* --- from the plan --- */
 
-static int place_encoder(struct lx_line_bus *self, size_t index, struct lx_error *error)
+static void place_encoder(struct lx_line_bus *self, size_t index)
 {
     struct lx_station *station = self->bus.setup.stations[index];
     struct lx_line_encoder *encoder = &self->encoder[index];
+    const struct lx_stack *stack = lx_stack_of(station->plan->model);
     *encoder = (struct lx_line_encoder){.station = station, .all = self};
-    self->names[index] = station->control.name;
-    const struct lx_stack *stack = stack_of(encoder);
-    uint8_t *settings = calloc(1, lx_stack_size(stack));
-    if (settings == NULL) {
-        return lx_fail(error, "no memory for an encoder");
-    }
+    self->names[index] = station->control->name;
     self->bus.tap.baud = stack->baud > self->bus.tap.baud ? stack->baud : self->bus.tap.baud;
-    const int result = lx_station_make(station, &self->bus.setup, settings, error);
-    if (result == 0) {
-        memcpy(&encoder->settings, settings + stack->own_at, sizeof encoder->settings);
+    if (stack->usual != NULL) {
+        memcpy(&encoder->sincos, stack->usual, sizeof encoder->sincos);
+        station->rows = stack->own;
+        station->base = &encoder->sincos;
     }
-    free(settings);
-    return result;
 }
 
-struct lx_bus *lx_line_bus_make(const struct lx_bus_setup *setup, lx_serial_open *open,
-                                struct lx_error *error)
+struct lx_bus *lx_line_bus_make(const struct lx_bus_setup *setup, struct dg_engine_wire *to,
+                                lx_serial_open *open, struct lx_error *error)
 {
     struct lx_line_bus *self = calloc(1, sizeof *self + setup->count * sizeof self->encoder[0]);
     if (self == NULL) {
@@ -230,32 +190,37 @@ struct lx_bus *lx_line_bus_make(const struct lx_bus_setup *setup, lx_serial_open
     self->bus.tap.encoders = self->names;
     self->bus.tap.encoder_count = self->count;
     for (size_t i = 0; i < self->count; i++) {
-        if (place_encoder(self, i, error) != 0) {
-            close_bus(&self->bus);
-            return NULL;
-        }
+        place_encoder(self, i);
     }
+    to->ops = &lx_line_ops;
+    to->ctx = self;
+    to->characters.live = true;
+    to->characters.late = LX_BUS_LATE;
     return &self->bus;
 }
 
-struct lx_bus *lx_line_bus_make_pty(const struct lx_bus_setup *setup, struct lx_error *error)
+struct lx_bus *lx_line_bus_make_pty(const struct lx_bus_setup *setup, struct dg_engine_wire *to,
+                                    struct lx_error *error)
 {
-    return lx_line_bus_make(setup, lx_pty_open, error);
+    return lx_line_bus_make(setup, to, lx_pty_open, error);
 }
 
-struct lx_bus *lx_line_bus_make_tty(const struct lx_bus_setup *setup, struct lx_error *error)
+struct lx_bus *lx_line_bus_make_tty(const struct lx_bus_setup *setup, struct dg_engine_wire *to,
+                                    struct lx_error *error)
 {
-    return lx_line_bus_make(setup, lx_tty_open, error);
+    return lx_line_bus_make(setup, to, lx_tty_open, error);
 }
 
-struct lx_bus *lx_line_bus_make_net(const struct lx_bus_setup *setup, struct lx_error *error)
+struct lx_bus *lx_line_bus_make_net(const struct lx_bus_setup *setup, struct dg_engine_wire *to,
+                                    struct lx_error *error)
 {
     return lx_net_port_check(setup->wire->where, error) == 0
-               ? lx_line_bus_make(setup, lx_net_port_open, error)
+               ? lx_line_bus_make(setup, to, lx_net_port_open, error)
                : NULL;
 }
 
-struct lx_bus *lx_line_bus_make_silkit(const struct lx_bus_setup *setup, struct lx_error *error)
+struct lx_bus *lx_line_bus_make_silkit(const struct lx_bus_setup *setup, struct dg_engine_wire *to,
+                                       struct lx_error *error)
 {
-    return lx_line_bus_make(setup, lx_silkit_serial_open, error);
+    return lx_line_bus_make(setup, to, lx_silkit_serial_open, error);
 }

@@ -10,7 +10,6 @@
 #include "bus.h"
 #include "drehgeber/bus_characters.h"
 #include "drehgeber/host_wire.h"
-#include "line_settings.h"
 #include "serial.h"
 #include "timer.h"
 
@@ -25,8 +24,8 @@ typedef struct lx_serial *lx_serial_open(const struct lx_serial_setup *setup,
 struct lx_line_encoder {
     struct lx_station *station;
     struct lx_line_bus *all;
-    struct lx_line_settings settings;
-    bool drawn; /**< the tap knows sine and cosine: */
+    dg_ns sincos; /**< in a trace: time between samples; 0: none */
+    bool drawn;   /**< the tap knows sine and cosine: */
     int32_t uv[4];
     dg_ns point; /**< they are sampled next */
 };
@@ -37,11 +36,10 @@ struct lx_line_bus {
     lx_serial_open *open;
     struct lx_serial *port;
     struct lx_timer timer;
-    struct dg_bus *line; /**< owned; NULL until the port is open */
-    bool paced;          /**< requests take the time they take on a line */
-    dg_ns told;          /**< end of the last character that the tap was told of */
-    bool mismatch;       /**< the master talks at another speed, and the user has been told */
-    bool sampling;       /**< somebody asked for sine and cosine when it was looked last */
+    bool paced;    /**< requests take the time they take on a line */
+    dg_ns told;    /**< end of the last character that the tap was told of */
+    bool mismatch; /**< the master talks at another speed, and the user has been told */
+    bool sampling; /**< somebody asked for sine and cosine when it was looked last */
     const char *names[LX_LINE_ENCODERS_MAX];
     size_t count;
     struct lx_line_encoder encoder[];
@@ -54,8 +52,8 @@ static inline struct lx_uart lx_line_uart(const struct dg_host_uart *uart)
 }
 
 /** Encoders on a port that `open` opens, as a lx_bus_make. @return NULL with `error` */
-struct lx_bus *lx_line_bus_make(const struct lx_bus_setup *setup, lx_serial_open *open,
-                                struct lx_error *error);
+struct lx_bus *lx_line_bus_make(const struct lx_bus_setup *setup, struct dg_engine_wire *to,
+                                lx_serial_open *open, struct lx_error *error);
 
 /* --- the master, line_master.c --- */
 

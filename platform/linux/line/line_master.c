@@ -68,13 +68,13 @@ const struct dg_bus_ops lx_line_ops = {
 
 void lx_line_enter(struct lx_line_bus *self)
 {
-    dg_bus_watch(self->line, lx_tap_on(&self->bus.tap));
+    dg_bus_watch(self->bus.core, lx_tap_on(&self->bus.tap));
 }
 
 /* A UART has one setting: the first encoder's. */
 static void follow_setting(struct lx_line_bus *self)
 {
-    const struct dg_host_uart first = dg_bus_characters_uart(self->line, 0);
+    const struct dg_host_uart first = dg_bus_characters_uart(self->bus.core, 0);
     const struct lx_uart uart = lx_line_uart(&first);
     if (uart.baud != self->port->uart.baud || uart.parity != self->port->uart.parity) {
         lx_serial_set(self->port, &uart);
@@ -92,7 +92,7 @@ static dg_ns sample(struct lx_line_bus *self)
    its way together with it. */
 void lx_line_settle(struct lx_line_bus *self, dg_ns next)
 {
-    self->bus.late = dg_bus_characters_counters(self->line).late;
+    self->bus.late = dg_bus_characters_counters(self->bus.core).late;
     follow_setting(self);
     lx_timer_at(&self->timer, dg_earliest(next, sample(self)));
 }
@@ -101,16 +101,17 @@ void lx_line_on_time(void *ctx, dg_ns now)
 {
     struct lx_line_bus *self = ctx;
     lx_line_enter(self);
-    lx_line_settle(self, dg_bus_step(self->line, now));
+    lx_line_settle(self, dg_bus_step(self->bus.core, now));
 }
 
 void lx_line_on_settled(void *ctx, dg_ns now)
 {
     const struct lx_line_encoder *encoder = ctx;
     struct lx_line_bus *self = encoder->all;
-    if (self->line != NULL) {
+    if (self->port != NULL) {
         lx_line_enter(self);
-        lx_line_settle(self, dg_bus_durable(self->line, (size_t)(encoder - self->encoder), now));
+        lx_line_settle(self,
+                       dg_bus_durable(self->bus.core, (size_t)(encoder - self->encoder), now));
     }
 }
 
@@ -121,7 +122,7 @@ static void tell_mismatch(struct lx_line_bus *self, size_t first)
 {
     const uint32_t baud = self->port->baud;
     const char parity = self->port->parity;
-    const struct dg_host_uart uart = dg_bus_characters_uart(self->line, first);
+    const struct dg_host_uart uart = dg_bus_characters_uart(self->bus.core, first);
     struct lx_words speed = {"another speed"};
     if (baud != 0 && baud != LX_BAUD_ANY) {
         (void)snprintf(speed.text, sizeof speed.text, "%lu Bd", (unsigned long)baud);
@@ -144,7 +145,7 @@ static void check_speed(struct lx_line_bus *self)
     for (size_t i = 0; i < self->count; i++) {
         const bool powered = dg_host_powered(self->encoder[i].station->host);
         if (powered &&
-            dg_bus_characters_fits(self->line, i, self->port->baud, self->port->parity)) {
+            dg_bus_characters_fits(self->bus.core, i, self->port->baud, self->port->parity)) {
             self->mismatch = false;
             return;
         }
@@ -165,7 +166,7 @@ void lx_line_on_character(void *ctx, dg_ns now, const struct lx_character *chara
         .character = {self->port->baud, self->port->parity, character->byte, character->damaged},
     };
     lx_line_enter(self);
-    const dg_ns next = dg_bus_rx(self->line, &event);
+    const dg_ns next = dg_bus_rx(self->bus.core, &event);
     check_speed(self);
     lx_line_settle(self, next);
 }

@@ -17,14 +17,13 @@
 static bool samples(const struct lx_line_encoder *self)
 {
     int32_t uv[4];
-    return self->settings.sincos > 0 &&
-           dg_host_sincos(self->station->host, 0, uv) != DG_HOST_ERR_WIRE;
+    return self->sincos > 0 && dg_host_sincos(self->station->host, 0, uv) != DG_HOST_ERR_WIRE;
 }
 
 /* The first of an encoder's sampling points, whole multiples of its interval, after `at`. */
 static dg_ns point_after(const struct lx_line_encoder *self, dg_ns at)
 {
-    return at - at % self->settings.sincos + self->settings.sincos;
+    return at - at % self->sincos + self->sincos;
 }
 
 /* Without power there is no voltage. */
@@ -72,7 +71,7 @@ static void catch_up(struct lx_line_bus *self, dg_ns now)
             continue;
         }
         tell(encoder, first, encoder->point);
-        encoder->point += encoder->settings.sincos;
+        encoder->point += encoder->sincos;
     }
 }
 

@@ -27,19 +27,6 @@ struct lx_words lx_key_range(const struct dg_key *key)
     return range;
 }
 
-/* --- setting --- */
-
-int lx_key_set(const struct dg_key *key, void *base, const char *value, struct lx_error *error)
-{
-    struct lx_words right = {""};
-    struct dg_text text = dg_text_in(right.text, sizeof right.text);
-    if (dg_key_set(key, base, value) == DG_OK) {
-        return 0;
-    }
-    dg_key_say_right(key, &text);
-    return lx_refuse(error, right.text, "%s", "");
-}
-
 /* --- lists --- */
 
 const struct dg_key *lx_keys_row(const struct lx_keys *self, size_t n)
@@ -50,44 +37,6 @@ const struct dg_key *lx_keys_row(const struct lx_keys *self, size_t n)
     const struct dg_key *row = &self->rows[n];
     return self->instead != NULL && strcmp(self->instead->name, row->name) == 0 ? self->instead
                                                                                 : row;
-}
-
-static const struct dg_key *find(const struct lx_keys *self, const char *name)
-{
-    for (size_t i = 0; i < self->count; i++) {
-        const struct dg_key *row = lx_keys_row(self, i);
-        if (row != NULL && strcmp(row->name, name) == 0) {
-            return row;
-        }
-    }
-    return NULL;
-}
-
-const struct dg_key *lx_keys_find(const struct lx_keys *lists, size_t n, const char *name,
-                                  void **base)
-{
-    for (size_t i = 0; i < n; i++) {
-        const struct dg_key *row = find(&lists[i], name);
-        if (row != NULL && base != NULL) {
-            *base = lists[i].base;
-        }
-        if (row != NULL) {
-            return row;
-        }
-    }
-    return NULL;
-}
-
-void lx_keys_name(const struct lx_keys *lists, size_t n, struct lx_words *to)
-{
-    for (size_t i = 0; i < n; i++) {
-        for (size_t j = 0; j < lists[i].count; j++) {
-            const struct dg_key *row = lx_keys_row(&lists[i], j);
-            if (row != NULL) {
-                lx_words_add(to, " %s", row->name);
-            }
-        }
-    }
 }
 
 /* What could not be set stands for 'none'. */

@@ -26,10 +26,8 @@ struct lx_stack {
     const char *spoiled; /**< what an encoder does whose EEPROM file fails, in words; NULL: it has
                             none */
     bool is_ring;        /**< encoders without a file are one thing with one address */
-    struct dg_keys own;  /**< the port's rows; offsets count from settings */
-    size_t own_at;       /**< what they set: offset in the settings, */
-    size_t own_size;     /**< ... size, 0: there is nothing, */
-    const void *usual;   /**< ... and what it is as nobody has set it */
+    struct dg_keys own;  /**< the port's rows; characters: of lx_line_encoder.sincos, */
+    const void *usual;   /**< ... which is this as nobody has set it; NULL: there are none */
     const struct dg_key *instead; /**< the port's row in place of one of the handle's; NULL */
     /** Bit n: `device` has not row n of the handle's keys. NULL: each has all. */
     uint32_t (*without)(const struct dg_device *device);
@@ -46,34 +44,21 @@ const struct lx_stack *lx_stack_of(const struct dg_device *device);
 
 /** Lists of what --set sets. */
 enum lx_stack_list {
+    LX_STACK_END,  /**< of an end of its wire */
     LX_STACK_OWN,  /**< the port's */
     LX_STACK_CORE, /**< the encoder's, without what has an option of its own */
     LX_STACK_WORLD,
     LX_STACK_LISTS
 };
 
-/** The settings of an encoder and of its world, for lx_keys_find() and its like; NULL: only names
- * and ranges are asked for. `device` NULL: of all encoders of the stack. */
-void lx_stack_keys(const struct lx_stack *self, const struct dg_device *device, void *settings,
-                   struct dg_world *world, struct lx_keys lists[LX_STACK_LISTS]);
+/** What can be set of an encoder and of its world, for help: `settings` and `world` have what is
+ * told as the default, NULL: nothing is. `device` NULL: of all encoders of the stack. */
+void lx_stack_keys(const struct lx_stack *self, const struct dg_device *device,
+                   const void *settings, const struct dg_world *world,
+                   struct lx_keys lists[LX_STACK_LISTS]);
 
-/** Bytes of the settings of an encoder. */
-size_t lx_stack_size(const struct lx_stack *self);
-
-/** `settings` become those of `device` as delivered. */
+/** `settings`, handle->settings_size bytes, become those of `device` as delivered. */
 void lx_stack_deliver(const struct lx_stack *self, const struct dg_device *device, void *settings);
-
-/** What --serial sets. */
-const struct dg_key *lx_stack_serial(const struct lx_stack *self);
-
-/**
- * Understand what the plan says of an encoder on `wire`: its settings, those of its world, its
- * serial number. `settings` and `world` need not be initialised but for the world's angle.
- * @return 0, or -1 with `error`
- */
-int lx_stack_settings(const struct dg_plan *plan, const struct dg_plan_wire *wire,
-                      const struct dg_plan_encoder *encoder, void *settings, struct dg_world *world,
-                      struct lx_error *error);
 
 /** Append all models of the stack (NULL: all there are), with a blank in front of each. */
 void lx_stack_models(const struct lx_stack *self, struct lx_words *to);

@@ -11,11 +11,14 @@
 
 #include "stacks.h"
 
+struct dg_engine_wire;
 struct lx_bus;
 struct lx_bus_setup;
 
-/** Understand the plan: figures, settings, addresses. @return NULL with `error` */
-typedef struct lx_bus *lx_bus_make(const struct lx_bus_setup *setup, struct lx_error *error);
+/** Understand the address, say in `to` what the library's bus is made of. Encoders have no settings
+ * yet. @return NULL with `error` */
+typedef struct lx_bus *lx_bus_make(const struct lx_bus_setup *setup, struct dg_engine_wire *to,
+                                   struct lx_error *error);
 
 /** What this port makes of a kind of wire (dg_plan_wires). */
 struct lx_wire {
@@ -35,15 +38,5 @@ const struct lx_wire *lx_wire_of(const struct dg_plan_wire_kind *kind);
 
 /** Whether the bus finds an address by itself. */
 bool lx_wire_is_optional(const struct dg_plan_wire_kind *kind);
-
-/** Append the names of all kinds with this setting, when it is one of a wire itself: of that, or of
- * the port for what they carry. @return how many */
-size_t lx_wires_with(const char *key, struct lx_words *names);
-
-/** Understand the settings of the wire itself, of which it has some: to `base`, which is what its
- * kind's settings point to.
- * @return 0, or -1 with `error` */
-int lx_wire_settings(const struct dg_plan *plan, const struct dg_plan_wire *wire, void *base,
-                     struct lx_error *error);
 
 #endif

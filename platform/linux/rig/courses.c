@@ -150,17 +150,46 @@ int lx_courses_begin(struct lx_courses *self, const struct lx_courses_setup *set
     return result;
 }
 
-int lx_courses_read_on(struct lx_courses *self, const struct lx_courses_setup *setup, dg_ns now,
-                       struct lx_error *error)
+/* @return 0: all of it is there; as lx_courses_begin() */
+static int read_slice(struct lx_courses *self, struct lx_error *error)
 {
-    int result = lx_csv_read_on(self->reading, LX_CSV_SLICE, error);
+    const int result = lx_csv_read_on(self->reading, LX_CSV_SLICE, error);
     if (result == 0) {
         const struct lx_csv_points found = lx_csv_take(self->reading);
         self->next.points = found.points;
         self->next.course.course.count = found.count;
-        result = follow(self, setup, now, error) == 0 ? 0 : LX_COURSES_WORDS;
-    } else if (result < 0) {
-        result = LX_COURSES_FILE;
+    }
+    return result < 0 ? LX_COURSES_FILE : result;
+}
+
+struct dg_rig_course *lx_courses_read(struct lx_courses *self, size_t quantity, const char *path,
+                                      int *failure, struct lx_error *error)
+{
+    const struct dg_rig_course_wish wish = {.quantity = quantity, .path = path};
+    struct place *place = &self->places[quantity];
+    struct dg_course_words words;
+    int result = understand(&self->next, &wish, &words, error) != 0
+                     ? LX_COURSES_WORDS
+                     : open_file(self, NULL, &wish, words.name, error);
+    while (result > 0) {
+        result = read_slice(self, error);
+    }
+    if (result == 0) {
+        *place = self->next;
+        place->course.course.points = place->points;
+        self->next = (struct place){.points = NULL};
+    }
+    lx_courses_read_none(self);
+    *failure = result;
+    return result == 0 ? &place->course : NULL;
+}
+
+int lx_courses_read_on(struct lx_courses *self, const struct lx_courses_setup *setup, dg_ns now,
+                       struct lx_error *error)
+{
+    int result = read_slice(self, error);
+    if (result == 0 && follow(self, setup, now, error) != 0) {
+        result = LX_COURSES_WORDS;
     }
     if (result <= 0) {
         lx_courses_read_none(self);

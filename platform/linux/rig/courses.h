@@ -33,6 +33,11 @@ struct lx_courses_setup {
     const struct lx_folder *folder; /**< of who names a file in it; NULL: anywhere */
 };
 
+/** A course of the plan: all of the file `path`, as DG_COURSE_FORM; who asked lets the encoder
+ * follow it. @return NULL with `error`, and why (enum lx_courses_failure) in `failure` */
+struct dg_rig_course *lx_courses_read(struct lx_courses *self, size_t quantity, const char *path,
+                                      int *failure, struct lx_error *error);
+
 /** Let it follow `wish`. @return 0; 1: a file is being read, lx_courses_read_on(); or enum
  * lx_courses_failure with `error` */
 int lx_courses_begin(struct lx_courses *self, const struct lx_courses_setup *setup,

@@ -7,26 +7,19 @@
 #include "plan.h"
 #include "rig_parts.h"
 
-static size_t index_of(const struct lx_rig *self, const struct dg_encoder *encoder)
-{
-    const struct lx_station *station = encoder->host;
-    return (size_t)(station - self->stations);
-}
-
-static struct lx_courses_setup setup_of(struct lx_rig *self, struct dg_encoder *encoder)
+static struct lx_courses_setup setup_of(const struct lx_rig *self, struct dg_encoder *encoder)
 {
     return (struct lx_courses_setup){
-        .rig = &self->control,
+        .rig = self->control,
         .encoder = encoder,
         .folder = self->folder,
     };
 }
 
 /* Few encoders have any. */
-static struct lx_courses *courses_of(struct lx_rig *self, const struct dg_encoder *encoder,
-                                     struct lx_error *error)
+static struct lx_courses *courses_of(struct lx_rig *self, size_t index, struct lx_error *error)
 {
-    struct lx_courses **at = &self->courses[index_of(self, encoder)];
+    struct lx_courses **at = &self->courses[index];
     if (*at == NULL) {
         *at = lx_courses_new();
     }
@@ -38,59 +31,36 @@ static struct lx_courses *courses_of(struct lx_rig *self, const struct dg_encode
 
 /* --- of the plan --- */
 
-static int begin(struct lx_rig *self, struct dg_encoder *encoder, size_t quantity, const char *path,
-                 struct lx_error *error)
-{
-    const struct lx_courses_setup setup = setup_of(self, encoder);
-    const struct dg_rig_course_wish wish = {.quantity = quantity, .path = path};
-    struct lx_courses *courses = courses_of(self, encoder, error);
-    int result = courses == NULL ? LX_COURSES_WORDS
-                                 : lx_courses_begin(courses, &setup, &wish, self->begin, error);
-    while (result > 0) {
-        result = lx_courses_read_on(courses, &setup, self->begin, error);
-    }
-    return result;
-}
-
 /* The setting is known to be sound, but for its file. */
-static enum lx_rig_result begin_setting(struct lx_rig *self, struct dg_encoder *encoder,
-                                        const struct dg_plan_setting *setting,
-                                        struct lx_error *error)
+struct dg_rig_course *lx_rig_find_course(void *ctx, size_t index,
+                                         const struct dg_plan_setting *setting,
+                                         struct lx_error *error)
 {
+    struct lx_rig *self = ctx;
+    const struct dg_plan *plan = self->setup.plan;
     const struct dg_key *key = dg_keys_find(&dg_world_keys, setting->key);
-    if (key == NULL || !dg_course_is(setting->value)) {
-        return LX_RIG_OK;
+    struct lx_courses *courses = courses_of(self, index, error);
+    char *path = lx_plan_path(plan, setting->value, setting->line, error);
+    struct dg_rig_course *course = NULL;
+    int failure = LX_COURSES_WORDS;
+    if (courses != NULL && path != NULL) {
+        course =
+            lx_courses_read(courses, (size_t)(key - dg_world_keys.rows), path, &failure, error);
     }
-    char *path = lx_plan_path(self->setup.plan, setting->value, setting->line, error);
-    const int result =
-        path == NULL ? -1 : begin(self, encoder, (size_t)(key - dg_world_keys.rows), path, error);
     free(path);
-    if (result == 0) {
-        return LX_RIG_OK;
+    if (course == NULL) {
+        self->result = failure == LX_COURSES_FILE ? LX_RIG_WORLD : LX_RIG_PLAN;
+        (void)lx_plan_refuse_setting(plan, setting, error);
     }
-    (void)lx_plan_refuse_setting(self->setup.plan, setting, error);
-    return result == LX_COURSES_FILE ? LX_RIG_WORLD : LX_RIG_PLAN;
-}
-
-enum lx_rig_result lx_rig_begin_courses(struct lx_rig *self, struct lx_error *error)
-{
-    enum lx_rig_result result = LX_RIG_OK;
-    for (size_t i = 0; i < self->setup.plan->encoder_count; i++) {
-        const struct dg_plan_settings *settings = &self->setup.plan->encoders[i].settings;
-        for (size_t j = 0; result == LX_RIG_OK && j < settings->count; j++) {
-            result = begin_setting(self, &self->stations[i].control, &settings->list[j], error);
-        }
-    }
-    return result;
+    return course;
 }
 
 void lx_rig_close_courses(struct lx_rig *self)
 {
-    /* Without stations none has begun. */
-    const bool begun = self->courses != NULL && self->stations != NULL;
-
-    for (size_t i = 0; begun && i < self->setup.plan->encoder_count; i++) {
-        lx_courses_free(self->courses[i], &self->stations[i].control);
+    for (size_t i = 0; self->courses != NULL && i < self->setup.plan->encoder_count; i++) {
+        if (self->courses[i] != NULL) {
+            lx_courses_free(self->courses[i], self->engine.control->encoders[i]);
+        }
     }
     free(self->courses);
 }
@@ -111,10 +81,10 @@ static int told(int result, const struct lx_error *error, char *detail)
 int lx_rig_course(struct dg_rig *control, struct dg_encoder *encoder,
                   const struct dg_rig_course_wish *wish, dg_ns now, char *detail)
 {
-    struct lx_rig *self = control->host;
+    struct lx_rig *self = lx_rig_of(control);
     const struct lx_courses_setup setup = setup_of(self, encoder);
     struct lx_error error;
-    struct lx_courses *courses = courses_of(self, encoder, &error);
+    struct lx_courses *courses = courses_of(self, dg_engine_index(control, encoder), &error);
     return told(courses == NULL ? LX_COURSES_WORDS
                                 : lx_courses_begin(courses, &setup, wish, now, &error),
                 &error, detail);
@@ -123,9 +93,9 @@ int lx_rig_course(struct dg_rig *control, struct dg_encoder *encoder,
 int lx_rig_course_more(struct dg_rig *control, struct dg_encoder *encoder, dg_ns now, bool gone,
                        char *detail)
 {
-    struct lx_rig *self = control->host;
+    struct lx_rig *self = lx_rig_of(control);
     const struct lx_courses_setup setup = setup_of(self, encoder);
-    struct lx_courses *courses = self->courses[index_of(self, encoder)];
+    struct lx_courses *courses = self->courses[dg_engine_index(control, encoder)];
     struct lx_error error;
     if (gone) {
         lx_courses_read_none(courses);
@@ -137,8 +107,8 @@ int lx_rig_course_more(struct dg_rig *control, struct dg_encoder *encoder, dg_ns
 const char *lx_rig_course_text(struct dg_rig *control, const struct dg_encoder *encoder,
                                size_t quantity)
 {
-    const struct lx_rig *self = control->host;
-    return lx_courses_text(self->courses[index_of(self, encoder)], quantity);
+    const struct lx_rig *self = lx_rig_of(control);
+    return lx_courses_text(self->courses[dg_engine_index(control, encoder)], quantity);
 }
 
 void lx_rig_count_courses(const struct dg_encoder *encoder, struct dg_scpi *to)

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * make() turns the plan into shafts, encoders and wires and touches nothing outside; power() opens
+ * make() lets the engine turn the plan into shafts, encoders and wires and touches nothing outside;
+ * power() opens
  * what there is outside. Either all of it stands afterwards, or nothing.
  */
 #define _GNU_SOURCE
@@ -11,9 +12,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "drehgeber/figure.h"
-#include "drehgeber/instruments.h"
-#include "drehgeber/interbus.h"
 #include "rig_parts.h"
 
 /* Rigs of one name that have a default control address, at the same time. */
@@ -23,147 +21,86 @@
 /* and again when it was not for so long. */
 #define STALL_EPISODE DG_S(1)
 
-/* --- shafts --- */
-
-static enum lx_rig_result make_shaft(struct lx_rig *self, size_t index, struct lx_error *error)
+struct lx_rig *lx_rig_of(const struct dg_rig *control)
 {
+    return lx_engine_of(control)->setup.ctx;
+}
+
+/* --- from the plan --- */
+
+/* The motion of a file. */
+static int find_motion(void *ctx, size_t index, const char *path, struct dg_motion *to,
+                       struct lx_error *error)
+{
+    struct lx_rig *self = ctx;
     const struct dg_plan *plan = self->setup.plan;
-    const struct dg_plan_shaft *row = &plan->shafts[index];
-    struct lx_rig_shaft *shaft = &self->shafts[index];
-    shaft->control.name = row->name;
-    shaft->control.host = shaft;
-    self->control.shafts[index] = &shaft->control;
-    dg_shaft_init(&shaft->control.shaft);
-    if (row->driver >= 0 &&
-        dg_shaft_couple(&shaft->control.shaft, &self->shafts[row->driver].control.shaft,
-                        row->ratio[0], row->ratio[1]) != DG_OK) {
-        (void)lx_fail(error, "[shaft %s]: the gear cannot be", row->name);
-        (void)lx_plan_stands(plan, row->line, error);
-        return LX_RIG_PLAN;
+    struct lx_shaft *motion = self->shafts[index].motion;
+    if (lx_shaft_parse(motion, path, NULL, error) != 0) {
+        self->result = LX_RIG_WORLD;
+        return lx_plan_refuse_key(plan, "motion", plan->shafts[index].motion_line, error);
     }
-    const int result =
-        row->motion == NULL ? 0 : lx_rig_play(shaft, self->begin, true, row->motion, NULL, error);
-    if (result == 0) {
-        return LX_RIG_OK;
-    }
-    (void)lx_plan_refuse_key(plan, "motion", row->motion_line, error);
-    return result == LX_SHAFT_FILE ? LX_RIG_WORLD : LX_RIG_PLAN;
-}
-
-static enum lx_rig_result make_shafts(struct lx_rig *self, struct lx_error *error)
-{
-    enum lx_rig_result result = LX_RIG_OK;
-    for (size_t i = 0; result == LX_RIG_OK && i < self->setup.plan->shaft_count; i++) {
-        result = make_shaft(self, i, error);
-    }
-    return result;
-}
-
-/* --- encoders and wires --- */
-
-static void make_station(struct lx_rig *self, size_t index)
-{
-    const struct dg_plan_encoder *row = &self->setup.plan->encoders[index];
-    struct lx_station *station = &self->stations[index];
-    struct dg_rig_shaft *shaft = &self->shafts[row->shaft].control;
-    uint64_t serial = 0;
-    dg_world_init(&station->world);
-    station->world.angle = dg_shaft_angle;
-    station->world.angle_ctx = &shaft->shaft;
-    station->world.stands = dg_shaft_stands;
-    station->plan = row;
-    station->control = (struct dg_encoder){
-        .name = row->name,
-        .model = row->model,
-        .instrument = dg_instrument_of(row->model->stack),
-        .world = &station->world,
-        .shaft = shaft,
-        .faults = {.random = (uint32_t)index},
-        .host = station,
-    };
-    if (row->serial != NULL && dg_unsigned_parse(row->serial, &serial)) {
-        station->control.serial = (uint32_t)serial;
-    }
-    self->control.encoders[index] = &station->control;
-}
-
-/* The encoders of each wire in the order of the plan. @return false without memory */
-static bool gather(struct lx_rig *self)
-{
-    const struct dg_plan *plan = self->setup.plan;
-    for (size_t i = 0; i < plan->wire_count; i++) {
-        struct lx_rig_wire *wire = &self->wires[i];
-        wire->stations = calloc(plan->wires[i].encoder_count, sizeof(struct lx_station *));
-        if (wire->stations == NULL) {
-            return false;
-        }
-    }
-    bool done = true;
-    for (size_t i = 0; done && i < plan->encoder_count; i++) {
-        struct lx_rig_wire *wire = &self->wires[plan->encoders[i].wire];
-        done = wire->stations != NULL;
-        self->stations[i].place = wire->count;
-        if (done) {
-            wire->stations[wire->count++] = &self->stations[i];
-        }
-    }
-    return done;
-}
-
-static int make_wire(struct lx_rig *self, size_t index, struct lx_error *error)
-{
-    struct lx_rig_wire *wire = &self->wires[index];
-    wire->rig = self;
-    wire->plan = &self->setup.plan->wires[index];
-    const struct lx_bus_setup setup = {
-        .event = self->setup.event,
-        .say = self->setup.say,
-        .plan = self->setup.plan,
-        .wire = wire->plan,
-        .stations = wire->stations,
-        .count = wire->count,
-        .clock = &self->clock,
-        .writer = self->writer,
-        .silkit = self->silkit,
-    };
-    wire->bus = lx_bus_new(&setup, error);
-    for (size_t i = 0; wire->bus != NULL && i < wire->count; i++) {
-        wire->stations[i]->bus = wire->bus;
-    }
-    return wire->bus == NULL ? -1 : 0;
+    *to = motion->motion;
+    return 0;
 }
 
 /* What can be said of a trace before anything is opened. */
-static int check_trace(struct lx_rig *self, size_t index, struct lx_error *error)
+static int check_trace(void *ctx, size_t index, struct lx_error *error)
 {
+    const struct lx_rig *self = ctx;
     const struct dg_plan_wire *wire = &self->setup.plan->wires[index];
     if (wire->trace == NULL ||
-        lx_trace_fits(wire->trace, lx_rig_stack(&self->wires[index])->trace, error) == 0) {
+        lx_trace_fits(wire->trace, lx_rig_stack(self, index)->trace, error) == 0) {
         return 0;
     }
     return lx_plan_refuse_key(self->setup.plan, "trace", wire->trace_line, error);
 }
 
+static int make_engine(struct lx_rig *self, struct lx_error *error)
+{
+    const struct lx_engine_setup setup = {
+        .bus =
+            {
+                .event = self->setup.event,
+                .say = self->setup.say,
+                .plan = self->setup.plan,
+                .clock = &self->clock,
+                .writer = self->writer,
+                .silkit = self->silkit,
+            },
+        .begin = self->begin,
+        .ops = &self->ops,
+        .wire = check_trace,
+        .motion = find_motion,
+        .course = lx_rig_find_course,
+        .ctx = self,
+    };
+    return lx_engine_make(&self->engine, &setup, error);
+}
+
 static bool make_room(struct lx_rig *self)
 {
     const struct dg_plan *plan = self->setup.plan;
-    struct dg_rig *control = &self->control;
     self->shafts = calloc(plan->shaft_count, sizeof *self->shafts);
     self->wires = calloc(plan->wire_count, sizeof *self->wires);
-    self->stations = calloc(plan->encoder_count, sizeof *self->stations);
     self->courses = calloc(plan->encoder_count, sizeof(struct lx_courses *));
-    control->shafts = calloc(plan->shaft_count, sizeof(struct dg_rig_shaft *));
-    control->encoders = calloc(plan->encoder_count, sizeof(struct dg_encoder *));
-    control->shaft_count = plan->shaft_count;
-    control->encoder_count = plan->encoder_count;
-    control->ops = &lx_rig_ops;
-    control->host = self;
-    control->instruments = dg_instruments;
-    control->instrument_count = dg_instrument_count;
-    control->courses = &dg_course_commands;
-    control->origin = self->begin;
-    return self->shafts != NULL && self->wires != NULL && self->stations != NULL &&
-           self->courses != NULL && control->shafts != NULL && control->encoders != NULL;
+    return self->shafts != NULL && self->wires != NULL && self->courses != NULL;
+}
+
+/* What the engine has made is the rig's. */
+static void find_parts(struct lx_rig *self)
+{
+    const struct dg_plan *plan = self->setup.plan;
+    self->control = self->engine.control;
+    self->control->courses = &dg_course_commands;
+    for (size_t i = 0; i < plan->shaft_count; i++) {
+        self->shafts[i].control = self->control->shafts[i];
+        self->shafts[i].planned = plan->shafts[i].motion;
+    }
+    for (size_t i = 0; i < plan->wire_count; i++) {
+        self->wires[i].rig = self;
+        self->wires[i].plan = &plan->wires[i];
+        self->wires[i].bus = self->engine.wires[i].bus;
+    }
 }
 
 /* Once for each wire. @return false without memory */
@@ -187,41 +124,39 @@ static bool add_minder(struct lx_rig_shaft *self, struct lx_rig_wire *wire)
 
 /* The shafts of its encoders, and those that drive them, know of a wire that minds. @return false
    without memory */
-static bool mind_shafts(struct lx_rig *self, struct lx_rig_wire *wire)
+static bool mind_shafts(struct lx_rig *self, size_t index)
 {
     const struct dg_plan *plan = self->setup.plan;
+    struct lx_rig_wire *wire = &self->wires[index];
+    struct lx_station **stations = self->engine.wires[index].stations;
     bool done = true;
-    for (size_t i = 0; wire->bus->ops->turns != NULL && i < wire->count; i++) {
-        for (int at = (int)wire->stations[i]->plan->shaft; at >= 0; at = plan->shafts[at].driver) {
+    for (size_t i = 0; wire->bus->ops->turns != NULL && i < wire->plan->encoder_count; i++) {
+        for (int at = (int)stations[i]->plan->shaft; at >= 0; at = plan->shafts[at].driver) {
             done = done && add_minder(&self->shafts[at], wire);
         }
     }
     return done;
 }
 
+/* @return LX_RIG_OK or what it is that cannot be */
 static enum lx_rig_result make(struct lx_rig *self, struct lx_error *error)
 {
-    const enum lx_rig_result result = make_shafts(self, error);
-    if (result != LX_RIG_OK) {
-        return result;
+    bool done = true;
+    self->ops = lx_rig_ops;
+    self->ops.find = dg_engine_ops.find;
+    self->result = LX_RIG_PLAN;
+    const int made = make_engine(self, error);
+    if (made != 0) {
+        return made == LX_ENGINE_SCARCE ? LX_RIG_WORLD : self->result;
     }
-    for (size_t i = 0; i < self->setup.plan->encoder_count; i++) {
-        make_station(self, i);
+    find_parts(self);
+    for (size_t i = 0; done && i < self->setup.plan->wire_count; i++) {
+        done = mind_shafts(self, i);
     }
-    if (!gather(self)) {
+    if (!done) {
         (void)lx_fail(error, "no memory for the wires");
-        return LX_RIG_WORLD;
     }
-    for (size_t i = 0; i < self->setup.plan->wire_count; i++) {
-        if (check_trace(self, i, error) != 0 || make_wire(self, i, error) != 0) {
-            return LX_RIG_PLAN;
-        }
-        if (!mind_shafts(self, &self->wires[i])) {
-            (void)lx_fail(error, "no memory for the wires");
-            return LX_RIG_WORLD;
-        }
-    }
-    return lx_rig_begin_courses(self, error);
+    return done ? LX_RIG_OK : LX_RIG_WORLD;
 }
 
 /* --- stalls --- */
@@ -304,7 +239,7 @@ static struct lx_server *serve(struct lx_rig *self, const struct dg_plan_control
     const struct lx_server_setup setup = {
         .event = self->setup.event,
         .say = self->setup.say,
-        .rig = &self->control,
+        .rig = self->control,
         .clock = &self->clock,
         .writer = self->writer,
         .enter = enter,
@@ -473,13 +408,13 @@ bool lx_rig_step(struct lx_rig *self)
 
 bool lx_rig_read(struct lx_rig *self, size_t index, char *text, size_t size)
 {
-    struct lx_station *station = &self->stations[index];
+    struct lx_station *station = &self->engine.stations[index];
     return station->bus->ops->read(station->bus, station, text, size);
 }
 
 dg_ns lx_rig_readable(const struct lx_rig *self, size_t index)
 {
-    const struct lx_station *station = &self->stations[index];
+    const struct lx_station *station = &self->engine.stations[index];
     return station->bus->ops->read == NULL ? DG_NEVER : station->ready;
 }
 
@@ -502,7 +437,7 @@ static bool announce_ring(struct lx_rig *self)
     for (size_t i = 0; i < plan->encoder_count; i++) {
         written = written && printf("%s%s", i == 0 ? "" : ",", plan->encoders[i].model->name) >= 0;
     }
-    (void)lx_rig_address(self, &self->stations[0]);
+    (void)lx_rig_address(self, &self->engine.stations[0]);
     address[strcspn(address, "/")] = '\0';
     return written && printf(" %s\n", address) >= 0;
 }
@@ -514,29 +449,31 @@ static bool announce_encoders(struct lx_rig *self)
     for (size_t i = 0; i < plan->encoder_count; i++) {
         const char *name = plan->file == NULL ? "" : plan->encoders[i].name;
         written = written && printf("ready %s %s%s%s\n", plan->encoders[i].model->name,
-                                    lx_rig_address(self, &self->stations[i]),
+                                    lx_rig_address(self, &self->engine.stations[i]),
                                     plan->file == NULL ? "" : " ", name) >= 0;
     }
     return written;
 }
 
-const struct lx_stack *lx_rig_stack(const struct lx_rig_wire *self)
+const struct lx_stack *lx_rig_stack(const struct lx_rig *self, size_t wire)
 {
-    return lx_stack_of(self->stations[0]->plan->model);
+    return lx_stack_of(self->engine.wires[wire].stations[0]->plan->model);
 }
 
 bool lx_rig_mixed(const struct lx_rig_wire *self)
 {
+    struct lx_station **stations = self->bus->setup.stations;
     bool mixed = false;
-    for (size_t i = 1; i < self->count; i++) {
-        mixed = mixed || lx_stack_of(self->stations[i]->plan->model) != lx_rig_stack(self);
+    for (size_t i = 1; i < self->plan->encoder_count; i++) {
+        mixed = mixed || stations[i]->plan->model->stack != stations[0]->plan->model->stack;
     }
     return mixed;
 }
 
 const struct dg_words *lx_rig_words(const struct lx_rig_wire *self)
 {
-    return lx_rig_mixed(self) ? NULL : dg_words_of(lx_rig_stack(self)->core);
+    return lx_rig_mixed(self) ? NULL
+                              : dg_words_of(lx_rig_stack(self->rig, self->bus->setup.index)->core);
 }
 
 int lx_rig_announce(struct lx_rig *self, struct lx_error *error)
@@ -564,18 +501,14 @@ static int worst(int before, int now, struct lx_error *error, const struct lx_er
     return before != 0 ? before : now;
 }
 
-static int close_wires(struct lx_rig *self, struct lx_error *error)
+static int close_traces(struct lx_rig *self, struct lx_error *error)
 {
     struct lx_error latest;
     int result = 0;
     for (size_t i = 0; self->wires != NULL && i < self->setup.plan->wire_count; i++) {
         struct lx_rig_wire *wire = &self->wires[i];
-        if (wire->bus != NULL) {
-            result = worst(result, lx_trace_close(wire->trace, &latest), error, &latest);
-            lx_rig_deaf(wire);
-            wire->bus->ops->close(wire->bus);
-        }
-        free(wire->stations);
+        result = worst(result, lx_trace_close(wire->trace, &latest), error, &latest);
+        lx_rig_deaf(wire);
     }
     return result;
 }
@@ -611,16 +544,14 @@ int lx_rig_close(struct lx_rig *self, struct lx_error *error)
     lx_timer_close(&self->faults);
     lx_stall_close(&self->stall);
     lx_silkit_leave(self->silkit);
-    int result = close_wires(self, error);
+    int result = close_traces(self, error);
     result = worst(result, close_shafts(self, &latest), error, &latest);
     lx_rig_close_courses(self);
+    lx_engine_close(&self->engine);
     lx_nvm_writer_free(self->writer);
     lx_silkit_free(self->silkit);
     free(self->topics);
     lx_folder_close(&self->files);
-    free(self->control.encoders);
-    free(self->control.shafts);
-    free(self->stations);
     free(self->wires);
     free(self->shafts);
     free(self);

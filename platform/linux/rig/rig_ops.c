@@ -10,19 +10,15 @@
 
 /* --- helpers --- */
 
-static struct lx_rig *rig_of(struct dg_rig *control)
-{
-    return control->host;
-}
-
-static struct lx_station *station_of(const struct dg_encoder *encoder)
-{
-    return encoder->host;
-}
-
 static struct lx_rig_wire *wire_of(struct dg_rig *control, const struct dg_encoder *encoder)
 {
-    return &rig_of(control)->wires[station_of(encoder)->plan->wire];
+    const struct lx_station *station = lx_engine_station(control, encoder);
+    return &lx_rig_of(control)->wires[station->plan->wire];
+}
+
+static struct lx_rig_shaft *shaft_of(struct dg_rig *control, const struct dg_rig_shaft *shaft)
+{
+    return &lx_rig_of(control)->shafts[dg_engine_shaft_index(control, shaft)];
 }
 
 /* The answer to a command: what was wrong goes with it as far as there is room. */
@@ -63,7 +59,7 @@ static void change_all(struct lx_rig *self, dg_ns now)
 void lx_rig_settle(void *ctx, dg_ns now)
 {
     struct lx_rig *self = ctx;
-    const dg_ns next = dg_rig_step(&self->control, now);
+    const dg_ns next = dg_rig_step(self->control, now);
     lx_timer_at(&self->faults, lx_clock_real(&self->clock, next));
 }
 
@@ -71,8 +67,7 @@ void lx_rig_settle(void *ctx, dg_ns now)
 
 static void look(struct dg_rig *control, struct dg_encoder *encoder, dg_ns now)
 {
-    struct lx_bus *bus = station_of(encoder)->bus;
-    (void)control;
+    struct lx_bus *bus = lx_engine_station(control, encoder)->bus;
     if (bus->ops->look != NULL) {
         bus->ops->look(bus, now);
     }
@@ -82,8 +77,8 @@ static void look(struct dg_rig *control, struct dg_encoder *encoder, dg_ns now)
    cannot be looked for here, as dg_rig_step() may be what calls. */
 static void changed(struct dg_rig *control, struct dg_encoder *encoder, dg_ns now)
 {
-    struct lx_rig *self = rig_of(control);
-    struct lx_station *station = station_of(encoder);
+    struct lx_rig *self = lx_rig_of(control);
+    struct lx_station *station = lx_engine_station(control, encoder);
     if (station->bus->ops->changed != NULL) {
         station->bus->ops->changed(station->bus, station, now);
     }
@@ -92,13 +87,12 @@ static void changed(struct dg_rig *control, struct dg_encoder *encoder, dg_ns no
 
 static const char *wire(struct dg_rig *control, const struct dg_encoder *encoder)
 {
-    return lx_rig_address(rig_of(control), station_of(encoder));
+    return lx_rig_address(lx_rig_of(control), lx_engine_station(control, encoder));
 }
 
 static void counters(struct dg_rig *control, const struct dg_encoder *encoder, struct dg_scpi *to)
 {
-    const struct lx_station *station = station_of(encoder);
-    (void)control;
+    const struct lx_station *station = lx_engine_station(control, encoder);
     if (station->bus->ops->counters != NULL) {
         station->bus->ops->counters(station->bus, station, to);
     }
@@ -109,19 +103,11 @@ static void counters(struct dg_rig *control, const struct dg_encoder *encoder, s
     lx_rig_count_courses(encoder, to);
 }
 
-/* The plan has the names sorted. */
-static size_t find(struct dg_rig *control, const char *name)
-{
-    const int at = dg_plan_find_encoder(rig_of(control)->setup.plan, name);
-    return at < 0 ? control->encoder_count : (size_t)at;
-}
-
 /* --- shafts --- */
 
 static void turns(struct dg_rig *control, struct dg_rig_shaft *shaft, dg_ns now)
 {
-    const struct lx_rig_shaft *self = shaft->host;
-    (void)control;
+    const struct lx_rig_shaft *self = shaft_of(control, shaft);
     for (size_t i = 0; i < self->minder_count; i++) {
         self->minders[i]->bus->ops->turns(self->minders[i]->bus, now);
     }
@@ -129,11 +115,11 @@ static void turns(struct dg_rig *control, struct dg_rig_shaft *shaft, dg_ns now)
 
 static void turned(struct dg_rig *control, struct dg_rig_shaft *shaft, dg_ns now)
 {
-    const struct lx_rig_shaft *self = shaft->host;
+    const struct lx_rig_shaft *self = shaft_of(control, shaft);
     for (size_t i = 0; i < self->minder_count; i++) {
         tell_bus(self->minders[i], now);
     }
-    note_change(rig_of(control), now);
+    note_change(lx_rig_of(control), now);
 }
 
 static bool borrows(const struct dg_shaft_course *course, const struct lx_shaft *motion)
@@ -144,7 +130,7 @@ static bool borrows(const struct dg_shaft_course *course, const struct lx_shaft 
 /* A place for a motion whose points nobody looks at any more; what was there is given back. */
 static struct lx_shaft *place(struct lx_rig_shaft *self)
 {
-    const struct dg_shaft *shaft = &self->control.shaft;
+    const struct dg_shaft *shaft = &self->control->shaft;
     struct lx_shaft *at = self->motion;
     while (borrows(&shaft->course, at) || borrows(&shaft->before, at)) {
         at++; /* ends within the array: only two motions can be borrowed from */
@@ -155,17 +141,13 @@ static struct lx_shaft *place(struct lx_rig_shaft *self)
 
 /* `motion` stands in its place, `text` is what it was made of: both are the shaft's from here on.
  */
-static int play(struct lx_rig_shaft *self, dg_ns now, bool first, struct lx_shaft *motion,
-                char *text, struct lx_error *error)
+static int play(struct lx_rig_shaft *self, dg_ns now, struct lx_shaft *motion, char *text,
+                struct lx_error *error)
 {
-    /* Encoders look back for their speed. */
-    if (first) {
-        (void)dg_shaft_set_position(&self->control.shaft, 0, dg_motion_angle(&motion->motion, 0));
-    }
-    if (dg_shaft_play(&self->control.shaft, now, &motion->motion) != DG_OK) {
+    if (dg_shaft_play(&self->control->shaft, now, &motion->motion) != DG_OK) {
         lx_shaft_free(motion);
         free(text);
-        (void)lx_fail(error, "%s is geared: its driver turns it", self->control.name);
+        (void)lx_fail(error, "%s is geared: its driver turns it", self->control->name);
         return LX_SHAFT_WORDS;
     }
     free(self->text);
@@ -173,18 +155,19 @@ static int play(struct lx_rig_shaft *self, dg_ns now, bool first, struct lx_shaf
     return 0;
 }
 
-int lx_rig_play(struct lx_rig_shaft *self, dg_ns now, bool first, const char *text,
-                const struct lx_folder *folder, struct lx_error *error)
+/* Words, not a file. @return 0, or enum lx_shaft_failure with `error` */
+static int play_words(struct lx_rig_shaft *self, dg_ns now, const char *text,
+                      struct lx_error *error)
 {
     struct lx_shaft *motion = place(self);
     char *copy = strdup(text);
     const int result = copy == NULL ? lx_fail(error, "no memory for %s", text)
-                                    : lx_shaft_parse(motion, text, folder, error);
+                                    : lx_shaft_parse(motion, text, NULL, error);
     if (result != 0) {
         free(copy);
         return result;
     }
-    return play(self, now, first, motion, copy, error);
+    return play(self, now, motion, copy, error);
 }
 
 /* --- files of clients: a slice in each turn of the loop, so that the wires have theirs --- */
@@ -220,7 +203,7 @@ static int read_on(struct lx_rig_shaft *self, dg_ns now, struct lx_error *error)
     if (result == 0) {
         struct lx_shaft *at = place(self);
         *at = motion;
-        result = play(self, now, false, at, self->reads, error);
+        result = play(self, now, at, self->reads, error);
         self->reads = NULL;
     }
     if (result <= 0) {
@@ -252,23 +235,21 @@ static int profile(struct dg_rig *control, struct dg_rig_shaft *shaft, dg_ns now
     if (shaft->shaft.driver != NULL) {
         return refuse(DG_SCPI_CONFLICT, detail, "geared; its driver turns it");
     }
-    struct lx_rig_shaft *self = shaft->host;
+    struct lx_rig_shaft *self = shaft_of(control, shaft);
     if (self->reading != NULL) {
         return refuse(DG_SCPI_CONFLICT, detail, "another client's file is being read for it");
     }
-    const struct lx_folder *folder = rig_of(control)->folder;
-    const int result = dg_motion_is_file(text)
-                           ? begin_reading(self, text, folder, &error)
-                           : lx_rig_play(self, now, false, text, folder, &error);
+    const struct lx_folder *folder = lx_rig_of(control)->folder;
+    const int result = dg_motion_is_file(text) ? begin_reading(self, text, folder, &error)
+                                               : play_words(self, now, text, &error);
     return profiled(result, &error, detail);
 }
 
 static int profile_more(struct dg_rig *control, struct dg_rig_shaft *shaft, dg_ns now, bool gone,
                         char *detail)
 {
-    struct lx_rig_shaft *self = shaft->host;
+    struct lx_rig_shaft *self = shaft_of(control, shaft);
     struct lx_error error;
-    (void)control;
     if (gone) {
         lx_rig_read_none(self);
         return 0;
@@ -278,22 +259,23 @@ static int profile_more(struct dg_rig *control, struct dg_rig_shaft *shaft, dg_n
 
 static const char *profile_text(struct dg_rig *control, const struct dg_rig_shaft *shaft)
 {
-    const struct lx_rig_shaft *self = shaft->host;
+    const struct lx_rig_shaft *self = shaft_of(control, shaft);
     if (shaft->shaft.driver != NULL) {
         return "geared";
     }
-    if (shaft->shaft.course.plays && self->text != NULL) {
-        return self->text;
+    const char *text = self->text != NULL ? self->text : self->planned;
+    if (shaft->shaft.course.plays && text != NULL) {
+        return text;
     }
-    const dg_ns now = lx_clock_now(&rig_of(control)->clock);
+    const dg_ns now = lx_clock_now(&lx_rig_of(control)->clock);
     return dg_shaft_mrpm(&shaft->shaft, now) == 0 ? "rest" : "steered";
 }
 
 static int record(struct dg_rig *control, struct dg_rig_shaft *shaft, dg_ns now, const char *path,
                   dg_ns interval, char *detail)
 {
-    struct lx_rig *self = rig_of(control);
-    struct lx_rig_shaft *part = shaft->host;
+    struct lx_rig *self = lx_rig_of(control);
+    struct lx_rig_shaft *part = shaft_of(control, shaft);
     struct lx_error error;
     if (path == NULL) {
         const int result = lx_record_close(part->record, now, &error);
@@ -325,7 +307,7 @@ int lx_rig_trace(struct lx_rig_wire *self, const char *path, struct lx_error *er
     const struct lx_trace_setup setup = {
         .path = path,
         .folder = self->rig->folder,
-        .kind = lx_rig_stack(self)->trace,
+        .kind = lx_rig_stack(self->rig, self->bus->setup.index)->trace,
         .words = lx_rig_words(self),
         .wire = kind->where_in_trace ? self->plan->where : self->plan->name,
         .tap = &self->bus->tap,
@@ -396,7 +378,7 @@ static bool simulated(const struct lx_rig *self)
 
 static int set_scale(struct dg_rig *control, uint32_t permille, char *detail)
 {
-    struct lx_rig *self = rig_of(control);
+    struct lx_rig *self = lx_rig_of(control);
     if (!simulated(self)) {
         return refuse(DG_SCPI_CONFLICT, detail,
                       "a wire of this rig runs in real time; only sim wires need not");
@@ -410,13 +392,13 @@ static int set_scale(struct dg_rig *control, uint32_t permille, char *detail)
 
 static uint32_t scale(struct dg_rig *control)
 {
-    return rig_of(control)->clock.permille;
+    return lx_rig_of(control)->clock.permille;
 }
 
 /* Faults end at their own moments on the way. */
 static int step(struct dg_rig *control, dg_ns span, char *detail)
 {
-    struct lx_rig *self = rig_of(control);
+    struct lx_rig *self = lx_rig_of(control);
     struct lx_clock *clock = &self->clock;
     if (!simulated(self) || clock->permille != 0) {
         return refuse(DG_SCPI_CONFLICT, detail, "time is not stopped; TIME:SCALe 0 first");
@@ -446,7 +428,6 @@ const struct dg_rig_ops lx_rig_ops = {
     .look = look,
     .turns = turns,
     .turned = turned,
-    .find = find,
     .profile_more = profile_more,
     .course = lx_rig_course,
     .course_more = lx_rig_course_more,

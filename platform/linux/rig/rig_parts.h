@@ -8,6 +8,7 @@
 #define DREHGEBER_LINUX_RIG_PARTS_H
 
 #include "courses.h"
+#include "engine.h"
 #include "motion_words.h"
 #include "record.h"
 #include "rig.h"
@@ -27,11 +28,12 @@ struct lx_rig_topics;
 
 /** A shaft. */
 struct lx_rig_shaft {
-    struct dg_rig_shaft control;  /**< first: the control plane's */
+    struct dg_rig_shaft *control; /**< the engine's */
     struct lx_rig_wire **minders; /**< owned: wires that mind how it turns, or what it drives */
     size_t minder_count;
     struct lx_shaft motion[LX_RIG_MOTIONS];
-    char *text;             /**< of the motion played last; owned */
+    char *text;             /**< of the motion that a client has played last; owned; NULL: none */
+    const char *planned;    /**< motion of the plan; NULL: none */
     struct lx_csv *reading; /**< of a motion that is to be played; NULL: none */
     char *reads;            /**< its name; owned */
     struct lx_record *record;
@@ -42,8 +44,6 @@ struct lx_rig_wire {
     struct lx_rig *rig;
     const struct dg_plan_wire *plan;
     struct lx_bus *bus;
-    struct lx_station **stations; /**< owned */
-    size_t count;
     struct lx_trace *trace;
     bool listens;
     struct lx_tap_listener listener;
@@ -54,7 +54,7 @@ struct lx_rig_wire {
 };
 
 /** What the first encoder on a wire speaks; most wires have one protocol. */
-const struct lx_stack *lx_rig_stack(const struct lx_rig_wire *self);
+const struct lx_stack *lx_rig_stack(const struct lx_rig *self, size_t wire);
 
 /** Whether another one speaks something else. */
 bool lx_rig_mixed(const struct lx_rig_wire *self);
@@ -66,7 +66,9 @@ const struct dg_words *lx_rig_words(const struct lx_rig_wire *self);
 /** A rig. */
 struct lx_rig {
     struct lx_rig_setup setup;
-    struct dg_rig control;
+    struct lx_engine engine;
+    struct dg_rig_ops ops; /**< what its control plane does */
+    struct dg_rig *control;
     struct lx_clock clock;
     dg_ns begin; /**< its time when it was opened */
     struct lx_rig_shaft *shafts;
@@ -74,9 +76,9 @@ struct lx_rig {
     struct lx_nvm_writer *writer; /**< of EEPROM files */
     struct lx_silkit *silkit;     /**< the rig in a simulation, if it is in one: */
     struct lx_rig_topics *topics; /**< of each shaft; owned; NULL: it is in none */
-    struct lx_station *stations;
-    struct lx_courses **courses; /**< of each encoder; NULL: none; owned */
-    struct lx_timer faults;      /**< their durations, and courses */
+    enum lx_rig_result result;    /**< what a failure of the engine comes to */
+    struct lx_courses **courses;  /**< of each encoder; NULL: none; owned */
+    struct lx_timer faults;       /**< their durations, and courses */
     struct lx_stall stall;
     dg_ns stalled;          /**< when the last long one ended; 0: there was none */
     struct lx_folder files; /**< of clients */
@@ -88,23 +90,22 @@ struct lx_rig {
     char address[LX_BUS_ADDRESS_MAX + 16u]; /**< of the encoder asked for last */
 };
 
-/** What the control plane asks for. */
+/** What the control plane asks for, but for what the engine does by itself. */
 extern const struct dg_rig_ops lx_rig_ops;
+
+/** The rig of a control plane. */
+struct lx_rig *lx_rig_of(const struct dg_rig *control);
 
 /** The address of an encoder, "KIND:ADDRESS", in self->address. */
 const char *lx_rig_address(struct lx_rig *self, const struct lx_station *station);
 
-/** Play `text` from `now` on; `folder`: of who names a file in it. `first`: before, the shaft has
- * always been where that begins.
- * @return 0; enum lx_shaft_failure with one line in `error` */
-int lx_rig_play(struct lx_rig_shaft *self, dg_ns now, bool first, const char *text,
-                const struct lx_folder *folder, struct lx_error *error);
-
 /** A motion file that is being read for the shaft is not, any more. */
 void lx_rig_read_none(struct lx_rig_shaft *self);
 
-/** The courses that the plan has begin with the rig. */
-enum lx_rig_result lx_rig_begin_courses(struct lx_rig *self, struct lx_error *error);
+/** lx_engine_setup.course. */
+struct dg_rig_course *lx_rig_find_course(void *ctx, size_t index,
+                                         const struct dg_plan_setting *setting,
+                                         struct lx_error *error);
 
 /** Give all courses back. */
 void lx_rig_close_courses(struct lx_rig *self);

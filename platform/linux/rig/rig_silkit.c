@@ -45,8 +45,8 @@ static void receive(void *ctx, dg_ns now, const struct lx_silkit_message *messag
 {
     struct lx_rig_topics *self = ctx;
     const uint8_t *bytes = lx_silkit_bytes(message);
-    struct dg_rig *control = &self->rig->control;
-    struct dg_rig_shaft *shaft = &self->shaft->control;
+    struct dg_rig *control = self->rig->control;
+    struct dg_rig_shaft *shaft = self->shaft->control;
     const struct dg_motion motion = {
         .kind = DG_MOTION_SPEED, .from = load(bytes), .mrpm = mrpm_of(load(bytes + 8))};
     (void)last;
@@ -59,7 +59,7 @@ static void receive(void *ctx, dg_ns now, const struct lx_silkit_message *messag
 static void step(void *ctx, dg_ns now)
 {
     struct lx_rig_topics *self = ctx;
-    struct dg_shaft *shaft = &self->shaft->control.shaft;
+    struct dg_shaft *shaft = &self->shaft->control->shaft;
     const int64_t speed = (int64_t)dg_shaft_mrpm(shaft, now) * TURN / MRPM_PER_RPS;
     uint8_t bytes[SIZE];
     dg_store_le64(bytes, (uint64_t)dg_shaft_angle(shaft, now));
@@ -75,11 +75,11 @@ static int open_shaft(struct lx_rig_topics *self, struct lx_error *error)
         .length_min = SIZE, .length_max = SIZE, .receive = receive, .ctx = self};
     self->position = (struct lx_silkit_port){.step = step, .ctx = self};
     (void)snprintf(name, sizeof name, "%s/shaft", lx_silkit_name(silkit));
-    lx_silkit_name_topic(&self->position, name, self->shaft->control.name);
+    lx_silkit_name_topic(&self->position, name, self->shaft->control->name);
     if (lx_silkit_offer(silkit, &self->position, MEDIA_TYPE, error) != 0) {
         return -1;
     }
-    if (self->shaft->control.shaft.driver != NULL) {
+    if (self->shaft->control->shaft.driver != NULL) {
         return 0; /* another one turns it */
     }
     lx_silkit_name_topic(&self->turn, self->position.topic, "turn");

@@ -11,9 +11,10 @@ static lx_bus_make *const makers[] = {
 };
 _Static_assert(DG_COUNT(makers) == DG_MEDIUM_COUNT, "a maker for each medium");
 
-struct lx_bus *lx_silkit_bus_make(const struct lx_bus_setup *setup, struct lx_error *error)
+struct lx_bus *lx_silkit_bus_make(const struct lx_bus_setup *setup, struct dg_engine_wire *to,
+                                  struct lx_error *error)
 {
     const enum dg_medium medium = setup->stations[0]->plan->model->stack->medium;
     const bool added = lx_silkit_add(setup->silkit, setup->plan, setup->wire, error) == 0;
-    return added ? makers[medium](setup, error) : NULL;
+    return added ? makers[medium](setup, to, error) : NULL;
 }

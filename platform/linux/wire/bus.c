@@ -20,15 +20,6 @@ void lx_bus_count(struct dg_scpi *to, const struct lx_count *rows, size_t n)
     }
 }
 
-struct lx_bus *lx_bus_new(const struct lx_bus_setup *setup, struct lx_error *error)
-{
-    struct lx_bus *self = lx_wire_of(setup->wire->kind)->make(setup, error);
-    if (self == NULL) {
-        (void)lx_plan_refuse_wire(setup->plan, setup->wire, error);
-    }
-    return self;
-}
-
 int lx_bus_open(struct lx_bus *self, dg_ns now, struct lx_error *error)
 {
     return self->ops->open(self, now, error) == 0

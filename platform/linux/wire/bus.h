@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * A wire with the encoders on it, whatever it is. Made in two steps: make() understands the plan
- * and touches nothing outside the process; open() opens files and switches the power on.
+ * A wire with the encoders on it, whatever it is: a door to a bus of the library. Made in two
+ * steps: make() understands the plan, says how the library's bus is to be, and touches nothing
+ * outside the process; open() opens files and switches the power on.
  */
 #ifndef DREHGEBER_LINUX_BUS_H
 #define DREHGEBER_LINUX_BUS_H
@@ -11,6 +12,7 @@
 
 #include "clock.h"
 #include "drehgeber/control.h"
+#include "drehgeber/rig_engine.h"
 #include "plan.h"
 #include "say.h"
 #include "station.h"
@@ -26,7 +28,9 @@ struct lx_bus_setup {
     sd_event *event;
     const struct lx_say *say;
     const struct dg_plan *plan;      /**< for messages */
-    const struct dg_plan_wire *wire; /**< its row of the plan */
+    const struct dg_plan_wire *wire; /**< its row of the plan, */
+    size_t index;                    /**< ... which one that is */
+    struct dg_engine *engine;        /**< with its encoders; the bus is there after make() */
     struct lx_station **stations;
     size_t count; /**< at least 1 */
     const struct lx_clock *clock;
@@ -46,6 +50,9 @@ struct lx_bus_ops {
     /** What a ready line says behind "KIND:". */
     void (*address)(const struct lx_bus *self, const struct lx_station *station, char *to,
                     size_t size);
+    /** The encoder has its settings: do they suit this wire? The last one may speak for all.
+     * @return 0, or -1 with `error`. Optional. */
+    int (*check)(struct lx_bus *self, struct lx_station *station, struct lx_error *error);
     /** Before somebody reads what the encoders and the wire have come to, or changes power, worlds,
      * faults: be what they are at `now`. Optional: a bus that always is has none. */
     void (*look)(struct lx_bus *self, dg_ns now);
@@ -75,6 +82,7 @@ struct lx_bus_ops {
 struct lx_bus {
     const struct lx_bus_ops *ops;
     struct lx_bus_setup setup;
+    struct dg_bus *core; /**< the library's, with all encoders; set between make() and open() */
     struct lx_tap tap;
     uint64_t late;   /**< deadlines missed: what is late is each kind's to say */
     uint64_t stalls; /**< times the whole process was held up while the wire was there */
@@ -85,9 +93,6 @@ lx_bus_make lx_line_bus_make_pty, lx_line_bus_make_tty, lx_line_bus_make_net,
     lx_can_bus_make_socket, lx_can_bus_make_slcan, lx_can_bus_make_socketcand, lx_ring_bus_make,
     lx_sim_bus_make, lx_gpio_bus_make, lx_silkit_bus_make, lx_can_bus_make_silkit,
     lx_line_bus_make_silkit, lx_sim_bus_make_silkit, lx_ring_bus_make_silkit;
-
-/** Make the bus that the plan asks for. @return NULL with `error`, which says where in the plan */
-struct lx_bus *lx_bus_new(const struct lx_bus_setup *setup, struct lx_error *error);
 
 /** Open it. @return 0, or -1 with `error`, which says where in the plan; closed by ops->close() in
  * any case */

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "drehgeber/rig_engine.h"
 #include "silkit_parts.h"
 
 #define RIGHT "silkit://HOST:PORT,NETWORK or silkit://HOST:PORT,NETWORK,PARTICIPANT is right"
@@ -111,21 +112,23 @@ int lx_silkit_add(struct lx_silkit *self, const struct dg_plan *plan,
                   const struct dg_plan_wire *wire, struct lx_error *error)
 {
     struct lx_silkit_where where;
-    struct dg_plan_simulation settings = self->planned ? self->settings : dg_plan_simulation_usual;
+    struct dg_engine_line line = {.simulation =
+                                      self->planned ? self->settings : dg_plan_simulation_usual};
+    struct dg_plan_error wrong;
     if (lx_silkit_split(wire->where, &where, error) != 0) {
         return lx_plan_refuse_wire(plan, wire, error);
     }
-    if (lx_wire_settings(plan, wire, &settings, error) != 0) {
-        return -1;
+    if (dg_engine_line_read(plan, wire, &line, &wrong) != 0) {
+        return lx_error_take(error, &wrong);
     }
     if (self->planned) {
         return same_where(self, &where, plan, wire, error) != 0
                    ? -1
-                   : same_settings(self, &settings, plan, wire, error);
+                   : same_settings(self, &line.simulation, plan, wire, error);
     }
     self->planned = true;
     self->where = where;
-    self->settings = settings;
+    self->settings = line.simulation;
     return 0;
 }
 

@@ -17,8 +17,6 @@
 
 #define TURN_US 1000u
 
-static const struct lx_say quiet = {.quiet = true};
-
 /* --- the wire of the test's --- */
 
 static bool wire_write(struct lx_can *can, const struct dg_can_frame *frame)
@@ -117,7 +115,7 @@ int can_rig_set_up(void **state)
 void can_rig_shut(struct can_rig *self)
 {
     if (self->bus != NULL) {
-        station_close_bus(self->bus);
+        station_close(&self->engine);
     }
     self->bus = NULL;
     if (self->client >= 0) {
@@ -160,45 +158,62 @@ void can_rig_plan(struct can_rig *self, size_t count)
             .model = dg_device_find(i % 2 == 0 ? "f3668" : "f3658"),
             .address = (int)i + 1,
         };
-        station_make(&self->station[i], encoder, i, &self->angle[i]);
-        self->stations[i] = &self->station[i];
     }
 }
 
-struct lx_bus_setup can_rig_setup(struct can_rig *self, size_t count)
+static struct lx_bus *make_test_wire(const struct lx_bus_setup *setup, struct dg_engine_wire *to,
+                                     struct lx_error *error)
 {
-    return (struct lx_bus_setup){
-        .event = self->event,
-        .say = &quiet,
-        .plan = &self->plan,
-        .wire = &self->wire,
-        .stations = self->stations,
-        .count = count,
-        .clock = &self->clock,
-    };
+    return lx_can_bus_make(setup, to, wire_open, error);
+}
+
+static int make(struct can_rig *self, size_t count, lx_bus_make *make_wire)
+{
+    struct lx_engine_setup setup = station_setup(&self->plan, self->event, &self->clock);
+    setup.make = make_wire;
+    self->shaft = (struct dg_plan_shaft){.name = "shaft", .driver = -1};
+    self->wire.stack = self->encoder[0].model->stack;
+    self->wire.encoder_count = count;
+    self->plan.shafts = &self->shaft;
+    self->plan.shaft_count = 1;
+    self->plan.wires = &self->wire;
+    self->plan.wire_count = 1;
+    self->plan.encoders = self->encoder;
+    self->plan.encoder_count = count;
+    if (lx_engine_make(&self->engine, &setup, &self->error) != 0) {
+        lx_engine_close(&self->engine);
+        return -1;
+    }
+    self->bus = self->engine.wires[0].bus;
+    self->station = self->engine.stations;
+    for (size_t i = 0; i < count; i++) {
+        station_turn(&self->station[i], &self->angle[i]);
+    }
+    return 0;
+}
+
+int can_rig_make_slcan(struct can_rig *self, size_t count)
+{
+    return make(self, count, lx_can_bus_make_slcan);
 }
 
 void can_rig_open_slcan(struct can_rig *self, size_t count)
 {
-    const struct lx_bus_setup setup = can_rig_setup(self, count);
-    self->bus = lx_can_bus_make_slcan(&setup, &self->error);
-    assert_non_null(self->bus);
-    if (self->bus->ops->open(self->bus, lx_now(), &self->error) != 0) {
+    if (can_rig_make_slcan(self, count) != 0 ||
+        self->bus->ops->open(self->bus, lx_now(), &self->error) != 0) {
         fail_msg("%s", lx_error_line(&self->error).text);
     }
 }
 
 void can_rig_open(struct can_rig *self, size_t count)
 {
-    const struct lx_bus_setup setup = can_rig_setup(self, count);
-    self->bus = lx_can_bus_make(&setup, wire_open, &self->error);
-    assert_non_null(self->bus);
+    assert_int_equal(make(self, count, make_test_wire), 0);
     assert_int_equal(self->bus->ops->open(self->bus, lx_now(), &self->error), 0);
 }
 
 struct dg_co_node *can_rig_device(struct can_rig *self, size_t i)
 {
-    return self->station[i].control.device;
+    return self->station[i].control->device;
 }
 
 void can_rig_changed(struct can_rig *self, size_t i)

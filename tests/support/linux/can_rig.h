@@ -9,6 +9,7 @@
 
 #include "can_bus.h"
 #include "drehgeber/cia406.h"
+#include "engine.h"
 
 #define CAN_RIG_NODES_MAX 127u
 #define CAN_RIG_FRAMES_MAX 4096u
@@ -40,11 +41,12 @@ struct can_rig {
     char nvm[CAN_RIG_NODES_MAX][64]; /**< files that are removed at the end */
     char name[CAN_RIG_NODES_MAX][24];
     sd_event *event;
-    struct dg_plan plan; /**< only its `file` counts */
+    struct dg_plan plan; /**< of the next three */
+    struct dg_plan_shaft shaft;
     struct dg_plan_wire wire;
     struct dg_plan_encoder encoder[CAN_RIG_NODES_MAX];
-    struct lx_station station[CAN_RIG_NODES_MAX];
-    struct lx_station *stations[CAN_RIG_NODES_MAX];
+    struct lx_engine engine;
+    struct lx_station *station; /**< the engine's */
     dg_angle angle[CAN_RIG_NODES_MAX];
     struct lx_clock clock;
     struct lx_bus *bus;
@@ -65,7 +67,9 @@ int can_rig_tear_down(void **state);
 
 /** Encoders e0, e1, ... with the node-IDs 1, 2, ..., f3668 and f3658 in turn. */
 void can_rig_plan(struct can_rig *self, size_t count);
-struct lx_bus_setup can_rig_setup(struct can_rig *self, size_t count);
+/** Make a bus of the first `count` encoders, as can_rig_open_slcan(), and do not open it.
+ * @return as lx_engine_make(), with self->error */
+int can_rig_make_slcan(struct can_rig *self, size_t count);
 /** Open a bus of the first `count` encoders: behind an adapter, on a wire of the test's. */
 void can_rig_open_slcan(struct can_rig *self, size_t count);
 void can_rig_open(struct can_rig *self, size_t count);

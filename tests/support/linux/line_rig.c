@@ -121,7 +121,7 @@ void line_rig_silent(struct line_rig *self, uint8_t address)
 static void open_master(struct line_rig *self)
 {
     char path[LX_BUS_ADDRESS_MAX];
-    self->bus->ops->address(self->bus, self->stations[0], path, sizeof path);
+    self->bus->ops->address(self->bus, self->station, path, sizeof path);
     self->master = open(path, O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
     assert_true(self->master >= 0);
 }
@@ -147,31 +147,39 @@ void line_rig_set(struct line_rig *self, size_t index, const char *assignment)
         lx_plan_add_assignment(&self->plan.encoders[index].settings, assignment, 0, &error), 0);
 }
 
-void line_rig_stations(struct line_rig *self)
+void line_rig_prepare(struct line_rig *self)
 {
     assert_true(sd_event_new(&self->event) >= 0);
+    self->setup = station_setup(&self->plan, self->event, &self->clock);
+    self->setup.bus.say = &self->say;
+}
+
+void line_rig_make(struct line_rig *self, lx_bus_make *make)
+{
+    struct lx_error error = {.right = ""};
+    self->setup.make = make;
+    assert_int_equal(lx_engine_make(&self->engine, &self->setup, &error), 0);
+    self->bus = self->engine.wires[0].bus;
+    self->station = self->engine.stations;
     for (size_t i = 0; i < self->plan.encoder_count; i++) {
-        station_make(&self->station[i], &self->plan.encoders[i], i, &self->shaft);
-        self->stations[i] = &self->station[i];
+        station_turn(&self->station[i], &self->shaft);
     }
-    self->setup = (struct lx_bus_setup){
-        .event = self->event,
-        .say = &self->say,
-        .plan = &self->plan,
-        .wire = self->plan.wires,
-        .stations = self->stations,
-        .count = self->plan.encoder_count,
-        .clock = &self->clock,
-    };
+}
+
+struct lx_words line_rig_refused(struct line_rig *self)
+{
+    struct lx_error error = {.right = ""};
+    assert_int_equal(lx_engine_make(&self->engine, &self->setup, &error), -1);
+    lx_engine_close(&self->engine);
+    return lx_error_line(&error);
 }
 
 /* On, with the start-up window (100 ms) over. */
 void line_rig_open(struct line_rig *self, lx_bus_make *make)
 {
     struct lx_error error = {.right = ""};
-    line_rig_stations(self);
-    self->bus = make(&self->setup, &error);
-    assert_non_null(self->bus);
+    line_rig_prepare(self);
+    line_rig_make(self, make);
     const int result = self->bus->ops->open(self->bus, lx_now(), &error);
     assert_string_equal(lx_error_line(&error).text, "");
     assert_int_equal(result, 0);
@@ -192,7 +200,7 @@ void line_rig_open_pty(struct line_rig *self)
 
 void line_rig_close(struct line_rig *self)
 {
-    station_close_bus(self->bus);
+    station_close(&self->engine);
     if (self->master >= 0) {
         (void)close(self->master);
     }
@@ -202,16 +210,16 @@ void line_rig_close(struct line_rig *self)
 
 struct dg_hf *line_rig_device(struct line_rig *self, size_t index)
 {
-    return self->station[index].control.device;
+    return self->station[index].control->device;
 }
 
 void line_rig_changed(struct line_rig *self, size_t index)
 {
-    self->bus->ops->changed(self->bus, self->stations[index], lx_now());
+    self->bus->ops->changed(self->bus, &self->station[index], lx_now());
 }
 
 void line_rig_bend(struct line_rig *self, size_t index, enum dg_wire_fault fault, uint32_t count)
 {
-    station_bend(self->stations[index], lx_now(), fault, count);
+    station_bend(&self->station[index], lx_now(), fault, count);
     line_rig_changed(self, index);
 }

@@ -11,8 +11,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "bus.h"
 #include "drehgeber/hiperface.h"
+#include "engine.h"
 #include "plan_rig.h"
 
 /** Encoders on a line. */
@@ -40,9 +40,9 @@ struct line_rig {
     struct lx_say say;
     sd_event *event;
     struct lx_clock clock;
-    struct lx_station station[LINE_STATIONS_MAX];
-    struct lx_station *stations[LINE_STATIONS_MAX];
-    struct lx_bus_setup setup;
+    struct lx_engine_setup setup;
+    struct lx_engine engine;
+    struct lx_station *station; /**< the engine's, as is the bus */
     struct lx_bus *bus;
     dg_angle shaft; /**< of all */
     struct line_heard heard;
@@ -57,8 +57,14 @@ void line_rig_plan(struct line_rig *self, size_t count, const char *where);
 /** KEY=VALUE for one of them. */
 void line_rig_set(struct line_rig *self, size_t index, const char *assignment);
 
-/** Loop and stations for line_rig.setup. */
-void line_rig_stations(struct line_rig *self);
+/** Loop and line_rig.setup. */
+void line_rig_prepare(struct line_rig *self);
+
+/** Make what the plan says, and open nothing; it is right. */
+void line_rig_make(struct line_rig *self, lx_bus_make *make);
+
+/** What is not right about the plan. @return in one line */
+struct lx_words line_rig_refused(struct line_rig *self);
 
 /** That, and the power on. The other two also have the master, and the start-up window over. */
 void line_rig_open(struct line_rig *self, lx_bus_make *make);

@@ -13,6 +13,7 @@ void plan_rig_begin(struct dg_plan *self, const char *name, const struct dg_plan
 {
     struct lx_error error;
     assert_int_equal(lx_plan_make(self, &error), 0);
+    assert_int_equal(dg_plan_add_shaft(self, "shaft", NULL), 0);
     assert_int_equal(dg_plan_add_wire(self, name, kind, where), 0);
 }
 

@@ -5,7 +5,7 @@
 
 #include "plan.h"
 
-/** An empty one with memory and a wire of this kind. */
+/** One with memory, a shaft and a wire of this kind. */
 void plan_rig_begin(struct dg_plan *self, const char *name, const struct dg_plan_wire_kind *kind,
                     const char *where);
 

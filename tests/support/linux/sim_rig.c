@@ -48,23 +48,31 @@ void sim_rig_plan(struct sim_rig *self, size_t count)
     }
 }
 
-void sim_rig_stations(struct sim_rig *self)
+void sim_rig_prepare(struct sim_rig *self)
 {
     assert_true(sd_event_new(&self->event) >= 0);
-    for (size_t i = 0; i < self->plan.encoder_count; i++) {
-        station_make(&self->station[i], &self->plan.encoders[i], i, &self->shaft[i]);
-        self->stations[i] = &self->station[i];
-    }
     self->clock.real = lx_now();
-    self->setup = (struct lx_bus_setup){
-        .event = self->event,
-        .say = &self->say,
-        .plan = &self->plan,
-        .wire = self->plan.wires,
-        .stations = self->stations,
-        .count = self->plan.encoder_count,
-        .clock = &self->clock,
-    };
+    self->setup = station_setup(&self->plan, self->event, &self->clock);
+    self->setup.bus.say = &self->say;
+}
+
+void sim_rig_make(struct sim_rig *self)
+{
+    struct lx_error error = {.right = ""};
+    assert_int_equal(lx_engine_make(&self->engine, &self->setup, &error), 0);
+    self->bus = self->engine.wires[0].bus;
+    self->station = self->engine.stations;
+    for (size_t i = 0; i < self->plan.encoder_count; i++) {
+        station_turn(&self->station[i], &self->shaft[i]);
+    }
+}
+
+struct lx_words sim_rig_refused(struct sim_rig *self)
+{
+    struct lx_error error = {.right = ""};
+    assert_int_equal(lx_engine_make(&self->engine, &self->setup, &error), -1);
+    lx_engine_close(&self->engine);
+    return lx_error_line(&error);
 }
 
 void sim_rig_step_to(struct sim_rig *self, dg_ns now)
@@ -76,12 +84,8 @@ void sim_rig_step_to(struct sim_rig *self, dg_ns now)
 void sim_rig_open(struct sim_rig *self)
 {
     struct lx_error error = {.right = ""};
-    sim_rig_stations(self);
-    self->bus = lx_sim_bus_make(&self->setup, &error);
-    assert_non_null(self->bus);
-    for (size_t i = 0; i < self->plan.encoder_count; i++) {
-        self->station[i].bus = self->bus;
-    }
+    sim_rig_prepare(self);
+    sim_rig_make(self);
     assert_int_equal(self->bus->ops->open(self->bus, SIM_RIG_POWER_ON, &error), 0);
     self->heard.listener = (struct lx_tap_listener){.event = on_event, .ctx = &self->heard};
     self->heard.ma = true;
@@ -93,14 +97,14 @@ void sim_rig_close(struct sim_rig *self)
 {
     assert_false(self->heard.disordered);
     assert_int_equal(self->bus->late, 0);
-    self->bus->ops->close(self->bus);
+    lx_engine_close(&self->engine);
     self->event = sd_event_unref(self->event);
     plan_rig_free(&self->plan);
 }
 
 int sim_rig_frame(struct sim_rig *self, size_t place)
 {
-    const struct dg_encoder *encoder = &self->stations[place]->control;
+    const struct dg_encoder *encoder = self->station[place].control;
     const struct dg_biss_port_ops *port = encoder->port;
 
     return port->frame(encoder->port_ctx, &self->bits, &self->count, self->detail);
@@ -120,7 +124,7 @@ bool sim_rig_crc_ok(const struct sim_rig *self)
 
 int sim_rig_read(struct sim_rig *self, size_t place, uint8_t address, uint8_t *bytes, size_t n)
 {
-    const struct dg_encoder *encoder = &self->stations[place]->control;
+    const struct dg_encoder *encoder = self->station[place].control;
     const struct dg_biss_port_ops *port = encoder->port;
 
     return port->read(encoder->port_ctx, address, bytes, n, self->detail);
@@ -129,7 +133,7 @@ int sim_rig_read(struct sim_rig *self, size_t place, uint8_t address, uint8_t *b
 int sim_rig_write(struct sim_rig *self, size_t place, uint8_t address, const uint8_t *bytes,
                   size_t n)
 {
-    const struct dg_encoder *encoder = &self->stations[place]->control;
+    const struct dg_encoder *encoder = self->station[place].control;
     const struct dg_biss_port_ops *port = encoder->port;
 
     return port->write(encoder->port_ctx, address, bytes, n, self->detail);
@@ -137,5 +141,5 @@ int sim_rig_write(struct sim_rig *self, size_t place, uint8_t address, const uin
 
 void sim_rig_bend(struct sim_rig *self, size_t place, enum dg_wire_fault fault, uint32_t count)
 {
-    station_bend(self->stations[place], self->clock.virtual_, fault, count);
+    station_bend(&self->station[place], self->clock.virtual_, fault, count);
 }

@@ -7,8 +7,8 @@
 #ifndef TESTS_SUPPORT_SIM_RIG_H
 #define TESTS_SUPPORT_SIM_RIG_H
 
-#include "bus.h"
 #include "drehgeber/biss.h"
+#include "engine.h"
 #include "plan_rig.h"
 
 #define SIM_RIG_ENCODERS_MAX 8u
@@ -43,10 +43,10 @@ struct sim_rig {
     struct lx_say say;
     sd_event *event;
     struct lx_clock clock;
-    struct lx_station station[SIM_RIG_ENCODERS_MAX];
-    struct lx_station *stations[SIM_RIG_ENCODERS_MAX];
     dg_angle shaft[SIM_RIG_ENCODERS_MAX];
-    struct lx_bus_setup setup;
+    struct lx_engine_setup setup;
+    struct lx_engine engine;
+    struct lx_station *station; /**< the engine's, as is the bus */
     struct lx_bus *bus;
     struct sim_heard heard;
     uint64_t bits; /**< of the last frame */
@@ -57,8 +57,14 @@ struct sim_rig {
 /** Encoders b0, b1, ... on a wire; their settings may be added then. */
 void sim_rig_plan(struct sim_rig *self, size_t count);
 
-/** What a bus is made of, in self->setup. */
-void sim_rig_stations(struct sim_rig *self);
+/** Loop and self->setup. */
+void sim_rig_prepare(struct sim_rig *self);
+
+/** Make what the plan says, and open nothing; it is right. */
+void sim_rig_make(struct sim_rig *self);
+
+/** What is not right about the plan. @return in one line */
+struct lx_words sim_rig_refused(struct sim_rig *self);
 
 /** Make the wire of the plan, and let it initialise: it is SIM_RIG_READY. */
 void sim_rig_open(struct sim_rig *self);

@@ -16,17 +16,20 @@ static dg_angle turned(void *ctx, dg_ns now)
     return *(const dg_angle *)ctx;
 }
 
-void station_make(struct lx_station *station, const struct dg_plan_encoder *plan, size_t place,
-                  dg_angle *angle)
+void station_turn(struct lx_station *station, dg_angle *angle)
 {
-    *station = (struct lx_station){.plan = plan, .place = place};
-    dg_world_init(&station->world);
-    station->world.angle = turned;
-    station->world.angle_ctx = angle;
-    station->control.name = plan->name;
-    station->control.model = plan->model;
-    station->control.instrument = dg_instrument_of(plan->model->stack);
-    station->control.world = &station->world;
+    struct dg_world *world = station->control->world;
+    world->angle = turned;
+    world->angle_ctx = angle;
+    world->stands = NULL;
+}
+
+struct lx_engine_setup station_setup(const struct dg_plan *plan, sd_event *event,
+                                     const struct lx_clock *clock)
+{
+    static const struct lx_say quiet = {.quiet = true};
+    return (struct lx_engine_setup){
+        .bus = {.event = event, .say = &quiet, .plan = plan, .clock = clock}};
 }
 
 static size_t entry_of(const struct dg_fault_target *target, enum dg_wire_fault fault)
@@ -45,7 +48,7 @@ static struct dg_fault_target target_of(struct lx_station *station)
 {
     return (struct dg_fault_target){
         .instrument = dg_instrument_of(station->plan->model->stack),
-        .world = station->control.world,
+        .world = station->control->world,
     };
 }
 
@@ -54,22 +57,23 @@ void station_bend(struct lx_station *station, dg_ns now, enum dg_wire_fault faul
     const struct dg_fault_target target = target_of(station);
     const struct dg_fault_limits limits = {count, 1000000, DG_NEVER};
     assert_int_equal(
-        dg_fault_set(&station->control.faults, &target, entry_of(&target, fault), now, &limits),
+        dg_fault_set(&station->control->faults, &target, entry_of(&target, fault), now, &limits),
         DG_OK);
 }
 
 void station_mend(struct lx_station *station, enum dg_wire_fault fault)
 {
     const struct dg_fault_target target = target_of(station);
-    assert_int_equal(dg_fault_clear(&station->control.faults, &target, entry_of(&target, fault)),
+    assert_int_equal(dg_fault_clear(&station->control->faults, &target, entry_of(&target, fault)),
                      DG_OK);
 }
 
-void station_close_bus(struct lx_bus *bus)
+void station_close(struct lx_engine *engine)
 {
+    const struct lx_bus *bus = engine->wires[0].bus;
     const uint64_t late = bus->late + bus->stalls;
     if (late > 0) {
         (void)printf("stall: wire_late=%" PRIu64 "\n", late);
     }
-    bus->ops->close(bus);
+    lx_engine_close(engine);
 }

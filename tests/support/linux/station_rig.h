@@ -1,13 +1,16 @@
 /* SPDX-License-Identifier: MIT */
-/** Encoders of a bus under test: healthy, on a shaft that the test turns; wire faults of one. */
+/** Encoders of a bus under test, on a shaft that the test turns; wire faults of one. */
 #ifndef TESTS_SUPPORT_STATION_RIG_H
 #define TESTS_SUPPORT_STATION_RIG_H
 
-#include "bus.h"
+#include "engine.h"
 
-/** The encoder `plan`, the one at `place` of its bus, on a shaft that stands at `*angle`. */
-void station_make(struct lx_station *station, const struct dg_plan_encoder *plan, size_t place,
-                  dg_angle *angle);
+/** Its shaft stands at `*angle`. */
+void station_turn(struct lx_station *station, dg_angle *angle);
+
+/** What is made of `plan` on `event` with `clock`, quiet; bus.writer and the like are NULL. */
+struct lx_engine_setup station_setup(const struct dg_plan *plan, sd_event *event,
+                                     const struct lx_clock *clock);
 
 /** Let `fault` happen to `count` frames from `now` on, 0: until mended. The bus is not told. */
 void station_bend(struct lx_station *station, dg_ns now, enum dg_wire_fault fault, uint32_t count);
@@ -15,8 +18,8 @@ void station_bend(struct lx_station *station, dg_ns now, enum dg_wire_fault faul
 /** Make it good. The bus is not told. */
 void station_mend(struct lx_station *station, enum dg_wire_fault fault);
 
-/** Close it. Says in a line `stall: ...` what its wire was late: if the test fails,
- * tests/gates/tally.py wants to know. */
-void station_close_bus(struct lx_bus *bus);
+/** Close the engine with its only bus. Says in a line `stall: ...` what its wire was late: if the
+ * test fails, tests/gates/tally.py wants to know. */
+void station_close(struct lx_engine *engine);
 
 #endif

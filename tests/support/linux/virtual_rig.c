@@ -129,7 +129,7 @@ void virtual_rig_say(struct virtual_rig *self, const uint8_t *bytes, size_t n)
 void virtual_rig_connect(struct virtual_rig *self)
 {
     static const char host[] = "127.0.0.1:";
-    const char *address = strstr(lx_rig_address(self->rig, &self->rig->stations[0]), host);
+    const char *address = strstr(lx_rig_address(self->rig, &self->rig->engine.stations[0]), host);
     if (address == NULL) {
         give_up("a wire on a TCP port of 127.0.0.1 is right", self->name);
     }
@@ -154,7 +154,7 @@ const char *virtual_rig_wire(const struct virtual_rig *self)
 
 const struct dg_encoder *virtual_rig_encoder(const struct virtual_rig *self, size_t index)
 {
-    return index < self->plan.encoder_count ? self->rig->control.encoders[index] : NULL;
+    return index < self->plan.encoder_count ? self->rig->control->encoders[index] : NULL;
 }
 
 void virtual_rig_open(struct virtual_rig *self, const char *file, struct lx_tap_listener *listener)
@@ -183,7 +183,7 @@ void virtual_rig_open(struct virtual_rig *self, const char *file, struct lx_tap_
     if (listener != NULL) {
         lx_tap_add(&self->rig->wires[0].bus->tap, listener);
     }
-    dg_control_init(&self->control, &self->rig->control, on_answer, self);
+    dg_control_init(&self->control, self->rig->control, on_answer, self);
 }
 
 void virtual_rig_close(struct virtual_rig *self)

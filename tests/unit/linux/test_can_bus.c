@@ -25,8 +25,7 @@
 
 static void refuse(struct can_rig *self, const char *text)
 {
-    const struct lx_bus_setup setup = can_rig_setup(self, 2);
-    assert_null(lx_can_bus_make_slcan(&setup, &self->error));
+    assert_int_equal(can_rig_make_slcan(self, 2), -1);
     assert_string_equal(lx_error_line(&self->error).text, text);
 }
 
@@ -92,9 +91,9 @@ static void each_is_its_own(void **state)
     assert_int_equal(can_rig_device(self, 0)->setup.device, &dg_cia406_multiturn_32);
     assert_int_equal(can_rig_device(self, 1)->setup.device, &dg_cia406_singleturn);
     assert_int_equal(can_rig_device(self, 2)->setup.device, &dg_cia406_multiturn);
-    assert_int_equal(self->station[0].control.world->temperature_mdegc, 37000);
-    assert_int_equal(self->station[1].control.world->temperature_mdegc, 20500);
-    assert_ptr_equal(self->station[1].control.world->angle_ctx, &self->angle[1]);
+    assert_int_equal(self->station[0].control->world->temperature_mdegc, 37000);
+    assert_int_equal(self->station[1].control->world->temperature_mdegc, 20500);
+    assert_ptr_equal(self->station[1].control->world->angle_ctx, &self->angle[1]);
     assert_int_equal(can_rig_upload(self, 1, 0x6004), 0x4000);
     assert_int_equal(can_rig_upload(self, 2, 0x6004), 0x8000);
     assert_int_equal(can_rig_upload(self, 3, 0x6004), 0xFFFC000);
@@ -139,12 +138,10 @@ static void a_file_for_each(void **state)
     can_rig_shut(self);
 
     /* A file of another encoder. */
-    const struct lx_bus_setup setup = can_rig_setup(self, 2);
     self->plan.file = "rig.ini";
     self->encoder[0].serial = other;
     self->encoder[0].nvm_line = 5;
-    self->bus = lx_can_bus_make_slcan(&setup, &self->error);
-    assert_non_null(self->bus);
+    assert_int_equal(can_rig_make_slcan(self, 2), 0);
     assert_int_equal(self->bus->ops->open(self->bus, lx_now(), &self->error), -1);
     assert_non_null(strstr(lx_error_line(&self->error).text, "rig.ini:5: "));
     assert_non_null(
@@ -187,9 +184,7 @@ static void a_file_of_an_earlier_release_grows(void **state)
     self->encoder[0].nvm = self->nvm[0];
     self->encoder[0].serial = other;
     const long length = make_older_file(self->nvm[0], layout);
-    const struct lx_bus_setup setup = can_rig_setup(self, 1);
-    self->bus = lx_can_bus_make_slcan(&setup, &self->error);
-    assert_non_null(self->bus);
+    assert_int_equal(can_rig_make_slcan(self, 1), 0);
     assert_int_equal(self->bus->ops->open(self->bus, lx_now(), &self->error), -1);
     assert_non_null(
         strstr(lx_error_line(&self->error).text, "belongs to serial number 1234567890"));
@@ -215,7 +210,7 @@ static void power_is_each_ones_own(void **state)
     can_rig_changed(self, 0);
     assert_true(can_rig_is_silent(self, 1));
     assert_true(can_rig_answers(self, 2));
-    assert_false(dg_bus_frames_listens(((struct lx_can_bus *)self->bus)->wire, 0x601));
+    assert_false(dg_bus_frames_listens(self->bus->core, 0x601));
     assert_int_equal(dg_co_power_on(can_rig_device(self, 0), lx_now()), DG_OK);
     can_rig_changed(self, 0);
     const struct dg_can_frame *frame = can_rig_next(self, HEARTBEAT + 1, CAN_RIG_PATIENCE);

@@ -70,7 +70,7 @@ static void damage_and_duplicate(void **state)
 /* Its place in the catalogue. */
 static size_t delay_of(const struct can_rig *self)
 {
-    return self->station[0].control.faults.slot[DG_WIRE_DELAY];
+    return self->station[0].control->faults.slot[DG_WIRE_DELAY];
 }
 
 /* In order, also what comes when the delay is over already. */
@@ -85,7 +85,7 @@ static void delay(void **state)
     can_rig_bend(self, 0, DG_WIRE_DELAY, 0);
     const dg_ns begin = lx_now();
     can_rig_ask(self, 1, 0x1000);
-    while (self->station[0].control.faults.fault[delay_of(self)].happened == 0) {
+    while (self->station[0].control->faults.fault[delay_of(self)].happened == 0) {
         assert_true(dg_elapsed(lx_now(), begin) < CAN_RIG_PATIENCE);
         can_rig_turn(self);
     }
@@ -161,7 +161,7 @@ static void an_overrun_loses_a_frame(void **state)
         assert_int_equal(can_rig_device(self, 0)->counters.rx, heard);
         assert_true(can_rig_answers(self, 2));
     }
-    assert_int_equal(self->station[0].control.faults.wire, 0);
+    assert_int_equal(self->station[0].control->faults.wire, 0);
     assert_true(can_rig_answers(self, 1));
     assert_int_equal(can_rig_device(self, 1)->history_count, 0);
 }

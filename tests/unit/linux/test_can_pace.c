@@ -47,7 +47,7 @@ static int tear_down(void **state)
 
 static struct dg_bus *bus_of(const struct can_rig *self)
 {
-    return ((const struct lx_can_bus *)self->bus)->wire;
+    return self->bus->core;
 }
 
 /* The encoder answers so many requests that come at once, by 8 bytes each: the CAN-IDs of its
@@ -108,11 +108,10 @@ static void plans_that_cannot_be(void **state)
     can_rig_plan(self, 1);
     self->plan.file = "rig.ini";
     set(self, "pace=2");
-    const struct lx_bus_setup setup = can_rig_setup(self, 1);
-    assert_null(lx_can_bus_make_slcan(&setup, &self->error));
+    assert_int_equal(can_rig_make_slcan(self, 1), -1);
     assert_string_equal(lx_error_line(&self->error).text, "rig.ini:9: pace=2: 0 or 1 is right");
     self->plan.file = NULL; /* the command line */
-    assert_null(lx_can_bus_make_slcan(&setup, &self->error));
+    assert_int_equal(can_rig_make_slcan(self, 1), -1);
     assert_string_equal(lx_error_line(&self->error).text, "pace=2: 0 or 1 is right");
 }
 

@@ -16,6 +16,7 @@
 #include <cmocka.h>
 
 #include "biss_clocked.h"
+#include "clocked_rig.h"
 #include "drehgeber/host_wire.h"
 #include "drehgeber/instrument.h"
 #include "drehgeber/tenbit.h"
@@ -118,12 +119,13 @@ static void begin(const struct dg_plan_timing *timing)
     control = (struct dg_encoder){.name = "a", .instrument = &dg_tenbit_instrument};
     assert_int_equal(dg_host_power(host, BEGIN, true), DG_OK);
     lx_clocked_close(line != NULL ? &line->base : NULL);
-    line = (struct word_line *)lx_clocked_new(&protocol, 1);
+    line = (struct word_line *)lx_clocked_new(&protocol);
     assert_non_null(line);
-    lx_clocked_add(&line->base, host, &control);
     tap = (struct lx_tap){.first = NULL};
     heard = (struct heard){.listener = {.event = on_event, .ctx = &heard}, .clock = true};
     lx_tap_add(&tap, &heard.listener);
+    const struct dg_bus_edges_setup cable = lx_clocked_wire_cable(timing);
+    clocked_rig_connect(&line->base, host, &control, &cable, &tap);
     lx_sim_master_init(&master, &tap, &line->base, timing, BEGIN);
 }
 
@@ -134,7 +136,8 @@ static void begin_usual(void)
 
 static void turn_to(unsigned position)
 {
-    dg_host_shaft(line->base.host[0], 0, (int64_t)position * (DG_TURN >> DG_TENBIT_BITS), 0);
+    dg_host_shaft(dg_bus_encoder(line->base.bus, 0), 0,
+                  (int64_t)position * (DG_TURN >> DG_TENBIT_BITS), 0);
 }
 
 static unsigned word_of(unsigned position)
@@ -235,16 +238,13 @@ static void faults_come_and_go_between_frames(void **state)
 static void one_line_has_one_protocol(void **state)
 {
     struct sim_rig rig;
-    struct lx_error error = {.right = ""};
     (void)state;
     sim_rig_plan(&rig, 3);
     rig.plan.encoders[2].model = dg_device_find("f3668");
-    sim_rig_stations(&rig);
-    assert_null(lx_clocked_make(&rig.setup, LX_CLOCKED_HERE, &error));
-    assert_string_equal(lx_error_line(&error).text, "f3668 cannot be on this wire");
+    sim_rig_prepare(&rig);
+    assert_string_equal(sim_rig_refused(&rig).text, "sim: f3668 cannot be on this wire");
     rig.plan.encoders[0].model = dg_device_find("s3684-rs485");
-    assert_null(lx_clocked_make(&rig.setup, LX_CLOCKED_HERE, &error));
-    assert_string_equal(lx_error_line(&error).text, "s3684-rs485 cannot be on this wire");
+    assert_string_equal(sim_rig_refused(&rig).text, "sim: s3684-rs485 cannot be on this wire");
     rig.event = sd_event_unref(rig.event);
     plan_rig_free(&rig.plan);
 }
@@ -252,21 +252,15 @@ static void one_line_has_one_protocol(void **state)
 static void a_line_has_no_more_encoders_than_its_protocol(void **state)
 {
     struct sim_rig rig;
-    struct lx_station *stations[LX_CLOCKED_MAX + 1u];
-    struct lx_error error = {.right = ""};
     (void)state;
-    sim_rig_plan(&rig, SIM_RIG_ENCODERS_MAX);
-    sim_rig_stations(&rig);
-    for (size_t i = 0; i < DG_COUNT(stations); i++) {
-        stations[i] = rig.stations[i % SIM_RIG_ENCODERS_MAX];
-    }
-    rig.setup.stations = stations;
-    rig.setup.count = lx_clocked_biss.encoders_max + 1u;
-    assert_null(lx_clocked_make(&rig.setup, LX_CLOCKED_HERE, &error));
-    assert_string_equal(lx_error_line(&error).text,
-                        "this wire is full: at most 8 encoders is right");
-    rig.setup.count = lx_clocked_biss.encoders_max;
-    lx_clocked_close(lx_clocked_make(&rig.setup, LX_CLOCKED_HERE, &error));
+    sim_rig_plan(&rig, 2);
+    sim_rig_prepare(&rig);
+    sim_rig_make(&rig); /* a chain has room for both */
+    lx_engine_close(&rig.engine);
+    rig.plan.wires[0].stack = dg_device_find("ssi-25")->stack;
+    rig.plan.encoders[0].model = rig.plan.encoders[1].model = dg_device_find("ssi-25");
+    assert_string_equal(sim_rig_refused(&rig).text,
+                        "sim: this wire is full: at most 1 encoders is right");
     rig.event = sd_event_unref(rig.event);
     plan_rig_free(&rig.plan);
 }

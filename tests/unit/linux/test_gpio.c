@@ -18,6 +18,7 @@
 #include <unistd.h>
 
 #include "biss_clocked.h"
+#include "clocked_rig.h"
 #include "drehgeber/devices.h"
 #include "drehgeber/instruments.h"
 #include "gpio.h"
@@ -116,10 +117,9 @@ static void begin_on(struct dg_host *host, const struct lx_clocked_protocol *pro
     };
     assert_int_equal(dg_host_power(host, 0, true), DG_OK);
     lx_clocked_close(line);
-    line = lx_clocked_new(protocol, 1);
+    line = lx_clocked_new(protocol);
     assert_non_null(line);
-    lx_clocked_add(line, host, &control);
-    lx_clocked_connect(line, &wire, &tap);
+    clocked_rig_connect(line, host, &control, &wire, &tap);
     const struct lx_gpio_setup setup = {.event = event,
                                         .say = &say,
                                         .line = line,

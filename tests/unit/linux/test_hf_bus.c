@@ -113,7 +113,7 @@ static void replies_at_the_same_time_collide(void **state)
     rig.plan.encoders[1].address = 0x40;
     line_rig_open_pty(&rig);
     lx_tap_add(&rig.bus->tap, &rig.heard.listener);
-    rig.station[1].world.angle_ctx = &(dg_angle){(dg_angle)0x00FF << 32};
+    rig.station[1].control->world->angle_ctx = &(dg_angle){(dg_angle)0x00FF << 32};
     rig.shaft = (dg_angle)0x0F0F << 32;
     line_rig_request(&rig, 0x40, LINE_READ_POSITION);
     (void)line_rig_receive(&rig, 7, LINE_PATIENCE);
@@ -243,7 +243,7 @@ static void what_does_not_fit_is_refused(void **state)
     (void)state;
     for (size_t i = 0; i < DG_COUNT(rows); i++) {
         struct line_rig rig;
-        struct lx_error error = {.right = ""};
+        struct lx_error error;
         line_rig_plan(&rig, 1, NULL);
         struct dg_plan_encoder *encoder = rig.plan.encoders;
         rig.plan.file = "rig.ini";
@@ -253,9 +253,8 @@ static void what_does_not_fit_is_refused(void **state)
             (void)lx_plan_add_assignment(&encoder->settings, rows[i].setting, 7, &error);
         }
         encoder->serial = rows[i].serial;
-        line_rig_stations(&rig);
-        assert_null(lx_line_bus_make_pty(&rig.setup, &error));
-        assert_non_null(strstr(lx_error_line(&error).text, rows[i].says));
+        line_rig_prepare(&rig);
+        assert_non_null(strstr(line_rig_refused(&rig).text, rows[i].says));
         rig.event = sd_event_unref(rig.event);
         plan_rig_free(&rig.plan);
     }
@@ -271,10 +270,10 @@ static void settings_reach_the_station(void **state)
     line_rig_set(&rig, 1, "reaction_us=500");
     rig.plan.encoders[1].serial = "4711";
     line_rig_open_pty(&rig);
-    assert_int_equal(rig.station[0].world.temperature_mdegc, 37000);
-    assert_int_equal(rig.station[1].world.temperature_mdegc, 85000);
-    assert_int_equal(rig.station[1].world.led_current_ua, 31000);
-    assert_ptr_equal(rig.station[1].world.angle_ctx, &rig.shaft);
+    assert_int_equal(rig.station[0].control->world->temperature_mdegc, 37000);
+    assert_int_equal(rig.station[1].control->world->temperature_mdegc, 85000);
+    assert_int_equal(rig.station[1].control->world->led_current_ua, 31000);
+    assert_ptr_equal(rig.station[1].control->world->angle_ctx, &rig.shaft);
     assert_true(line_rig_device(&rig, 1)->setup.model->reaction == DG_US(500));
     (void)line_rig_ask(&rig, 0x41, "56", 40);
     assert_memory_equal(rig.reply + 2, "000004711", 9);

@@ -130,7 +130,7 @@ static void remove_place(const struct place *self)
 static void break_pty(struct line_rig *self)
 {
     char path[LX_BUS_ADDRESS_MAX];
-    self->bus->ops->address(self->bus, self->stations[0], path, sizeof path);
+    self->bus->ops->address(self->bus, self->station, path, sizeof path);
     (void)close(self->master);
     self->master = -1;
     const int null = open("/dev/null", O_RDWR | O_CLOEXEC);
@@ -181,9 +181,8 @@ static void a_link_in_use_is_refused_in_the_same_process(void **state)
     (void)snprintf(pid, sizeof pid, "%ld", (long)getpid());
     for (size_t i = 1; i < 3; i++) {
         line_rig_plan(&rigs[i], 1, place.link);
-        line_rig_stations(&rigs[i]);
-        rigs[i].bus = lx_line_bus_make_pty(&rigs[i].setup, &error);
-        assert_non_null(rigs[i].bus);
+        line_rig_prepare(&rigs[i]);
+        line_rig_make(&rigs[i], lx_line_bus_make_pty);
         assert_int_equal(rigs[i].bus->ops->open(rigs[i].bus, lx_now(), &error), -1);
         assert_non_null(strstr(lx_error_line(&error).text, pid));
         line_rig_close(&rigs[i]);
@@ -225,9 +224,10 @@ static struct lx_serial *open_timed(const struct lx_serial_setup *setup, struct 
     return port;
 }
 
-static struct lx_bus *make_timed(const struct lx_bus_setup *setup, struct lx_error *error)
+static struct lx_bus *make_timed(const struct lx_bus_setup *setup, struct dg_engine_wire *to,
+                                 struct lx_error *error)
 {
-    return lx_line_bus_make(setup, open_timed, error);
+    return lx_line_bus_make(setup, to, open_timed, error);
 }
 
 /* A UART that does the timing gets whole replies at once; the neighbours hear them in their time.

@@ -17,6 +17,7 @@
 #include "drehgeber/devices.h"
 #include "effort.h"
 #include "modbus_time.h"
+#include "ring_rig.h"
 
 #define START DG_S(1)
 #define DEVICES 3u
@@ -31,7 +32,8 @@ struct shaft {
 
 struct side {
     struct shaft shaft;
-    struct lx_ring ring;
+    struct ring_rig rig;
+    struct lx_ring *ring;
     struct lx_map map;
     uint64_t runs;
 };
@@ -67,7 +69,7 @@ static void drive(void *ctx, dg_ns at)
 {
     struct side *self = ctx;
     self->runs++;
-    (void)lx_ring_cycle(&self->ring, at);
+    (void)lx_ring_cycle(self->ring, at);
 }
 
 /* --- both sides --- */
@@ -76,21 +78,12 @@ static void open_side(struct side *self)
 {
     static const struct dg_device *const models[DEVICES] = {&dg_ocd_ib_k1, &dg_ocd_ib_k3,
                                                             &dg_ocd_ib_k2};
-    struct dg_world world;
-    static const struct lx_say quiet = {.quiet = true};
-    struct lx_ring_member members[DEVICES];
     struct lx_error error;
     memset(self, 0, sizeof *self);
-    dg_world_init(&world);
-    world.angle = angle;
-    world.angle_ctx = &self->shaft;
-    for (size_t i = 0; i < DEVICES; i++) {
-        members[i] = (struct lx_ring_member){
-            .device = models[i], .model = *dg_ib_model_of(models[i]), .world = &world};
-    }
-    const struct lx_ring_setup setup = {.members = members, .count = DEVICES, .say = &quiet};
-    assert_int_equal(lx_ring_open(&self->ring, &setup, START, &error), 0);
-    lx_map_init(&self->map, &self->ring);
+    ring_rig_plan(&self->rig, models, DEVICES);
+    self->ring = &self->rig.ring;
+    assert_int_equal(ring_rig_open(&self->rig, angle, &self->shaft, START, &error), 0);
+    lx_map_init(&self->map, self->ring);
 }
 
 static void open_both(uint32_t seed)
@@ -111,8 +104,8 @@ static void open_both(uint32_t seed)
 
 static void close_both(void)
 {
-    lx_ring_close(&eager.ring);
-    lx_ring_close(&lazy.ring);
+    ring_rig_close(&eager.rig);
+    ring_rig_close(&lazy.rig);
 }
 
 /* --- time --- */
@@ -127,7 +120,7 @@ static void run_eager(void)
 
 static const struct lx_nvm_memory *memory_of(const struct side *self)
 {
-    return &self->ring.part_of[K3]->image->memory;
+    return &self->ring->part_of[K3]->image->memory;
 }
 
 /* What would be there after the processes have died. */
@@ -196,8 +189,8 @@ static void check_registers(struct lx_range range)
 
 static void look(void)
 {
-    const struct lx_ring *is = &lazy.ring;
-    const struct lx_ring *wanted = &eager.ring;
+    const struct lx_ring *is = lazy.ring;
+    const struct lx_ring *wanted = eager.ring;
     lx_ring_time_to(&lazy_time, now);
     SAME(stopped), SAME(is->result), SAME(is->reached);
     assert_memory_equal(&is->is->counters, &wanted->is->counters, sizeof wanted->is->counters);
@@ -267,7 +260,7 @@ static void change_world(void)
     lx_ring_time_to(&lazy_time, now);
     for (size_t i = 0; i < 2; i++) {
         for (size_t n = 0; n < DEVICES; n++) {
-            struct dg_world *world = lx_ring_world(&sides[i]->ring, n);
+            struct dg_world *world = lx_ring_world(sides[i]->ring, n);
             world->singleturn_ok = how % 4u != 0;
             world->multiturn_sync_ok = how / 4u % 8u != 0;
             world->eeprom_acknowledges = how / 32u % 8u != 0;
@@ -285,8 +278,9 @@ static void switch_power(void)
     const bool on = !one_in(3);
     lx_ring_time_to(&lazy_time, now);
     for (size_t i = 0; i < 2; i++) {
-        assert_int_equal(dg_host_power(sides[i]->ring.encoders[which], now, on), DG_HOST_OK);
-        (void)dg_bus_changed(sides[i]->ring.bus, which, now);
+        assert_int_equal(dg_host_power(sides[i]->rig.engine.stations[which].host, now, on),
+                         DG_HOST_OK);
+        (void)dg_bus_changed(sides[i]->ring->bus, which, now);
     }
     lx_ring_time_stir(&lazy_time);
 }
@@ -298,7 +292,7 @@ static void hurt_ring(void)
     broken = !broken;
     lx_ring_time_to(&lazy_time, now);
     for (size_t i = 0; i < 2; i++) {
-        struct lx_ring *ring = &sides[i]->ring;
+        struct lx_ring *ring = sides[i]->ring;
         dg_ring_cut(ring->bus, broken && !corrupt ? where : DG_RING_WHOLE);
         if (corrupt) {
             dg_ring_spoil(ring->bus, where);
@@ -361,11 +355,11 @@ static void a_day_alone(void **state)
         lx_ring_time_due(&lazy_time, lx_ring_time_next(&lazy_time));
     }
     assert_true(lazy.runs - before <= 3u * 144u);
-    assert_int_equal(lx_ring_device(&lazy.ring, K3)->time_10min, 144);
+    assert_int_equal(lx_ring_device(lazy.ring, K3)->time_10min, 144);
     lx_ring_time_to(&lazy_time, START + DG_S(86400));
     const uint64_t cycles = DG_S(86400) / period; /* the first one was an ID cycle, too */
-    assert_int_equal(lazy.ring.is->counters.cycles, (uint32_t)(cycles + 1u));
-    assert_int_equal(lx_ring_device(&lazy.ring, K3)->counters.cycles, (uint32_t)cycles);
+    assert_int_equal(lazy.ring->is->counters.cycles, (uint32_t)(cycles + 1u));
+    assert_int_equal(lx_ring_device(lazy.ring, K3)->counters.cycles, (uint32_t)cycles);
     close_both();
 }
 
@@ -382,7 +376,7 @@ static void what_wakes_a_ring(void **state)
     now = START + DG_S(1);
     lx_ring_time_to(&lazy_time, now);
     assert_int_equal(lx_ring_time_next(&lazy_time), START + DG_S(600));
-    struct dg_ib_model *model = dg_host_line_of(lazy.ring.encoders[K3])->settings;
+    struct dg_ib_model *model = dg_host_line_of(lazy.rig.engine.stations[K3].host)->settings;
     model->profile = DG_IB_K2;
     assert_true(lx_ring_time_next(&lazy_time) == DG_NEVER);
     model->profile = DG_IB_K3;
@@ -423,7 +417,7 @@ static void late(void **state)
     lx_ring_time_watch(&lazy_time, false, START + 15u * period);
     lx_ring_time_to(&lazy_time, START + 1000u * period);
     assert_int_equal(lazy.map.missed, 3);
-    assert_int_equal(lazy.ring.is->counters.cycles, 1001u - 3u);
+    assert_int_equal(lazy.ring->is->counters.cycles, 1001u - 3u);
     close_both();
 }
 

@@ -13,39 +13,31 @@
 
 #include "drehgeber/devices.h"
 #include "modbus.h"
+#include "ring_rig.h"
 
 #define START DG_S(1)
 
 static const struct dg_device *models[3]; /* K1, K3, K2: words 0, 1-2, 3-4 */
-static uint16_t steps;                    /* of all of them, less one; 0: as delivered */
-static struct dg_world world;
-static struct lx_ring ring;
+static const char *steps;                 /* of all of them, less one; NULL: as delivered */
+static struct ring_rig rig;
+static struct lx_ring *const ring = &rig.ring;
 static struct lx_map map;
 static struct lx_error error;
-static const struct lx_say quiet = {.quiet = true};
 static char path[] = "/tmp/test_ib_map.XXXXXX";
 
-/* All in one world, with one file. */
+/* All with one file. */
 static int open_ring(const char *nvm, size_t count)
 {
-    struct lx_ring_member members[3];
-    const struct lx_ring_setup setup = {.members = members, .count = count, .say = &quiet};
-
-    for (uint32_t i = 0; i < count; i++) {
-        members[i] = (struct lx_ring_member){
-            .device = models[i],
-            .model = *dg_ib_model_of(models[i]),
-            .world = &world,
-            .nvm = nvm,
-        };
-        members[i].model.self_test = 0;
-        members[i].model.serial += i;
-        if (steps != 0) {
-            members[i].model.steps = steps;
-            members[i].model.steps_minus_one = true;
+    ring_rig_plan(&rig, models, count);
+    for (size_t i = 0; i < count; i++) {
+        rig.plan.encoders[i].nvm = nvm;
+        ring_rig_set(&rig, i, "self_test_ms=0");
+        if (steps != NULL) {
+            ring_rig_set(&rig, i, steps);
+            ring_rig_set(&rig, i, "steps_minus_one=1");
         }
     }
-    return lx_ring_open(&ring, &setup, START, &error);
+    return ring_rig_open(&rig, NULL, NULL, START, &error);
 }
 
 static int set_up(void **state)
@@ -54,23 +46,22 @@ static int set_up(void **state)
     models[0] = &dg_ocd_ib_k1;
     models[1] = &dg_ocd_ib_k3;
     models[2] = &dg_ocd_ib_k2;
-    dg_world_init(&world);
-    steps = 0;
+    steps = NULL;
     memset(&error, 0, sizeof error);
     if (open_ring(NULL, 3) != 0) {
         return -1;
     }
-    lx_map_init(&map, &ring);
+    lx_map_init(&map, ring);
     lx_map_request(&map, START);
-    (void)lx_ring_cycle(&ring, START); /* the ID cycle */
-    (void)lx_ring_cycle(&ring, START);
+    (void)lx_ring_cycle(ring, START); /* the ID cycle */
+    (void)lx_ring_cycle(ring, START);
     return 0;
 }
 
 static int tear_down(void **state)
 {
     (void)state;
-    lx_ring_close(&ring);
+    ring_rig_close(&rig);
     return 0;
 }
 
@@ -133,7 +124,7 @@ static void images_and_states(void **state)
     assert_int_equal(get(0x100C), 1);
     put_out(0x0800, 0x0007);
     for (int i = 0; i < 4; i++) {
-        (void)lx_ring_cycle(&ring, START);
+        (void)lx_ring_cycle(ring, START);
     }
     assert_int_equal(get(0x0001), 0xC800);
     assert_int_equal(get(0x0002), 7);
@@ -149,18 +140,18 @@ static void images_and_states(void **state)
     assert_int_equal(get(0x2019), 7);
     put_out(0x0C00, 0);
     for (int i = 0; i < 4; i++) {
-        (void)lx_ring_cycle(&ring, START);
+        (void)lx_ring_cycle(ring, START);
     }
     assert_int_equal(get(0x2011), 1 | 8 | 32);
     assert_int_equal(get(0x201A), 0x8400);
     for (size_t i = 0; i < 3; i++) {
-        lx_ring_world(&ring, i)->singleturn_ok = false;
+        lx_ring_world(ring, i)->singleturn_ok = false;
     }
-    (void)lx_ring_cycle(&ring, START);
+    (void)lx_ring_cycle(ring, START);
     assert_int_equal(get(0x100C), 1 | 4);
     assert_int_equal(get(0x2001), 1 | 128);
-    dg_ring_cut(ring.bus, 1);
-    (void)lx_ring_cycle(&ring, START);
+    dg_ring_cut(ring->bus, 1);
+    (void)lx_ring_cycle(ring, START);
     assert_int_equal(get(0x100C) & 0xB, 2 | 8);
     assert_int_equal(get(0x2000), 0x0136);
     assert_int_equal(get(0x2010), 0);
@@ -194,7 +185,7 @@ static void watchdog_zero_and_freeze(void **state)
     lx_map_tick(&map, START + DG_MS(170));
     assert_int_equal(get(0x1121), 1);
     assert_int_equal(get(0x0802), 8);
-    assert_false(ring.stopped);
+    assert_false(ring->stopped);
 }
 
 static void watchdog_stop(void **state)
@@ -208,7 +199,7 @@ static void watchdog_stop(void **state)
     put_out(0, 0);
     const uint16_t cycles = get(0x2013);
     lx_map_tick(&map, START + DG_MS(11));
-    (void)lx_ring_cycle(&ring, START + DG_MS(300));
+    (void)lx_ring_cycle(ring, START + DG_MS(300));
     assert_int_equal(get(0x2013), cycles);
     assert_int_equal(get(0x100C), 0);
     lx_map_request(&map, START + DG_MS(300));
@@ -219,7 +210,7 @@ static void watchdog_stop(void **state)
     put(0x1121, 0xAFFE);
     assert_int_equal(get(0x1121), 0);
     lx_map_tick(&map, START + DG_S(9)); /* asleep again */
-    (void)lx_ring_cycle(&ring, START + DG_S(9));
+    (void)lx_ring_cycle(ring, START + DG_S(9));
     assert_int_equal(get(0x2013), cycles + 1);
 }
 
@@ -229,32 +220,32 @@ static void the_ring_has_one_file(void **state)
     const uint32_t image = dg_store_size(&dg_ib_layout);
 
     (void)state;
-    lx_ring_close(&ring);
+    ring_rig_close(&rig);
     assert_int_equal(unlink(path), 0); /* only the name is wanted */
     assert_int_equal(open_ring(path, 3), 0);
-    assert_int_equal(ring.store_count, 1);
-    assert_int_equal(ring.stores[0].image.file.size, image);
-    (void)lx_ring_cycle(&ring, START);
-    ring.out[1] = 0x0A00;
-    ring.out[2] = 0x0055;
+    assert_int_equal(ring->store_count, 1);
+    assert_int_equal(ring->stores[0].image.file.size, image);
+    (void)lx_ring_cycle(ring, START);
+    ring->out[1] = 0x0A00;
+    ring->out[2] = 0x0055;
     for (int i = 0; i < 4; i++) {
-        (void)lx_ring_cycle(&ring, START);
+        (void)lx_ring_cycle(ring, START);
     }
-    lx_ring_close(&ring);
+    ring_rig_close(&rig);
     assert_int_equal(open_ring(path, 3), 0);
-    assert_int_equal(lx_ring_device(&ring, 1)->shift, 0x55);
-    lx_ring_close(&ring);
+    assert_int_equal(lx_ring_device(ring, 1)->shift, 0x55);
+    ring_rig_close(&rig);
 
     models[0] = models[1]; /* two K3 find one image */
     assert_int_equal(open_ring(path, 2), -1);
     assert_non_null(strstr(lx_error_line(&error).text, path));
-    lx_ring_close(&ring);
+    ring_rig_close(&rig);
     models[0] = models[2]; /* none finds a use for it */
     assert_int_equal(open_ring(path, 1), -1);
     assert_non_null(strstr(lx_error_line(&error).text, "nvm /"));
-    lx_ring_close(&ring);
+    ring_rig_close(&rig);
     assert_int_equal(unlink(path), 0);
-    steps = 1;
+    steps = "steps=1";
     assert_int_equal(open_ring(NULL, 1), -1);
     assert_non_null(strstr(lx_error_line(&error).text, "factory"));
 }

@@ -281,17 +281,16 @@ static void a_kind_says_what_it_answers_without_its_memory(void **state)
     struct lx_error error;
     sim_rig_plan(&rig, 1);
     rig.plan.encoders[0].nvm = dg_plan_copy(&rig.plan, place->path);
-    sim_rig_stations(&rig);
-    rig.setup.writer = lx_nvm_writer_new(rig.event, NULL, NULL);
-    assert_non_null(rig.setup.writer);
-    struct lx_clocked *line = lx_clocked_make(&rig.setup, LX_CLOCKED_HERE, &error);
-    assert_non_null(line);
-    assert_int_equal(lx_clocked_open(line, &rig.setup, 0, 0, &error), 0);
+    sim_rig_prepare(&rig);
+    rig.setup.bus.writer = lx_nvm_writer_new(rig.event, NULL, NULL);
+    assert_non_null(rig.setup.bus.writer);
+    sim_rig_make(&rig);
+    assert_int_equal(rig.bus->ops->open(rig.bus, SIM_RIG_POWER_ON, &error), 0);
     const uint8_t *queue = (const uint8_t *)rig.station[0].queue;
     const struct lx_image *image = (const void *)(queue - offsetof(struct lx_image, queue));
     assert_string_equal(image->file.answer, "the encoder answers P = 1");
-    lx_clocked_close(line);
-    lx_nvm_writer_free(rig.setup.writer);
+    lx_engine_close(&rig.engine);
+    lx_nvm_writer_free(rig.setup.bus.writer);
     rig.event = sd_event_unref(rig.event);
     plan_rig_free(&rig.plan);
 }

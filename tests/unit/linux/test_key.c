@@ -11,34 +11,70 @@
 
 #include <cmocka.h>
 
+#include "engine.h"
 #include "hf_settings.h"
 #include "modbus_settings.h"
-#include "set_key.h"
+#include "plan_rig.h"
+#include "station_rig.h"
 #include "wire.h"
 
 #define ROOM 1024u
 
-/* An encoder's settings and world. */
+/* An encoder's settings and world, its end of the line, and what of it is the port's. */
 struct bench {
     const struct dg_device *device;
     _Alignas(max_align_t) uint8_t settings[ROOM];
     struct dg_world world;
+    struct dg_engine_end end;
+    dg_ns own;
 };
 
 static struct bench bench_of(const char *model)
 {
     struct bench self = {.device = dg_device_find(model)};
     assert_non_null(self.device);
-    assert_true(lx_stack_size(lx_stack_of(self.device)) <= ROOM);
+    assert_true(lx_stack_of(self.device)->handle->settings_size <= ROOM);
     lx_stack_deliver(lx_stack_of(self.device), self.device, self.settings);
     dg_world_init(&self.world);
+    self.end = dg_engine_end_usual;
     return self;
+}
+
+static int set_value(const struct dg_key *key, void *base, const char *value,
+                     struct lx_error *error)
+{
+    char right[128];
+    struct dg_text text = dg_text_in(right, sizeof right);
+    if (dg_key_set(key, base, value) == DG_OK) {
+        return 0;
+    }
+    dg_key_say_right(key, &text);
+    return lx_refuse(error, right, "%s", "");
+}
+
+/* KEY=VALUE, of all that there is of an encoder. @return 0 or -1 with `error` */
+static int set_key(struct bench *self, const char *assignment, struct lx_error *error)
+{
+    void *const bases[LX_STACK_LISTS] = {&self->end, &self->own, self->settings, &self->world};
+    const size_t n = strcspn(assignment, "=");
+    struct lx_keys lists[LX_STACK_LISTS];
+    lx_stack_keys(lx_stack_of(self->device), self->device, NULL, NULL, lists);
+    for (size_t i = 0; i < LX_STACK_LISTS; i++) {
+        for (size_t j = 0; j < lists[i].count; j++) {
+            const struct dg_key *row = lx_keys_row(&lists[i], j);
+            if (row != NULL && strlen(row->name) == n && strncmp(row->name, assignment, n) == 0) {
+                return set_value(row, bases[i], assignment + n + 1, error);
+            }
+        }
+    }
+    fail_msg("%s: no such key", assignment);
+    return -1;
 }
 
 static void set(struct bench *self, const char *assignment)
 {
     struct lx_error error;
-    if (set_key(self->device, self->settings, &self->world, assignment, &error) != 0) {
+    if (set_key(self, assignment, &error) != 0) {
         fail_msg("%s: %s", assignment, lx_error_line(&error).text);
     }
 }
@@ -47,7 +83,7 @@ static void refuse(struct bench *self, const char *assignment, const char *right
 {
     const struct bench before = *self;
     struct lx_error error;
-    assert_int_equal(set_key(self->device, self->settings, &self->world, assignment, &error), -1);
+    assert_int_equal(set_key(self, assignment, &error), -1);
     assert_string_equal(lx_error_line(&error).text, right);
     assert_memory_equal(&before, self, sizeof before);
 }
@@ -72,7 +108,7 @@ static void check_instead(const struct lx_stack *stack)
     }
     const struct dg_key *row = dg_keys_find(stack->handle->keys, stack->instead->name);
     assert_non_null(row);
-    check_row(stack->instead, lx_stack_size(stack));
+    check_row(stack->instead, stack->handle->settings_size);
     assert_true(row->offset == stack->instead->offset && row->type == stack->instead->type &&
                 row->factor == stack->instead->factor);
     assert_true(row->min <= stack->instead->min && row->max >= stack->instead->max);
@@ -84,18 +120,20 @@ static void rows_are_whole(void **state)
     for (size_t i = 0; i < lx_stack_count; i++) {
         const struct lx_stack *stack = lx_stacks[i];
         for (size_t j = 0; j < stack->own.count; j++) {
-            check_row(&stack->own.rows[j], lx_stack_size(stack));
+            check_row(&stack->own.rows[j], sizeof(dg_ns));
         }
         for (size_t j = 0; j < stack->handle->keys->count; j++) {
-            check_row(&stack->handle->keys->rows[j], lx_stack_size(stack));
+            check_row(&stack->handle->keys->rows[j], stack->handle->settings_size);
         }
         check_instead(stack);
-        if (lx_stack_serial(stack) != NULL) {
-            check_row(lx_stack_serial(stack), lx_stack_size(stack));
-        }
         assert_non_null(dg_plan_find_kind(stack->wire, strlen(stack->wire)));
         assert_true(
             dg_plan_carries(dg_plan_find_kind(stack->wire, strlen(stack->wire)), stack->core));
+    }
+    for (size_t i = 0; i < DG_MEDIUM_COUNT; i++) {
+        for (size_t j = 0; j < dg_engine_end_keys[i].count; j++) {
+            check_row(&dg_engine_end_keys[i].rows[j], sizeof(struct dg_engine_end));
+        }
     }
     for (size_t i = 0; i < dg_world_keys.count; i++) {
         check_row(&dg_world_keys.rows[i], sizeof(struct dg_world));
@@ -155,7 +193,7 @@ static void check_limits(struct bench *self, const struct dg_key *key)
         if (one == 1) {
             *strrchr(text, '.') = '\0';
         }
-        const int result = set_key(self->device, self->settings, &self->world, text, &error);
+        const int result = set_key(self, text, &error);
         assert_int_equal(result, i < 2 ? 0 : -1);
     }
 }
@@ -166,7 +204,7 @@ static void limits_of_every_row(void **state)
     for (size_t i = 0; i < dg_device_count; i++) {
         struct bench self = bench_of(dg_devices[i]->name);
         struct lx_keys lists[LX_STACK_LISTS];
-        lx_stack_keys(lx_stack_of(self.device), self.device, self.settings, &self.world, lists);
+        lx_stack_keys(lx_stack_of(self.device), self.device, NULL, NULL, lists);
         for (size_t j = 0; j < LX_STACK_LISTS; j++) {
             for (size_t k = 0; k < lists[j].count; k++) {
                 if (lx_keys_row(&lists[j], k) != NULL) {
@@ -200,24 +238,23 @@ static void values_reach_their_place(void **state)
         "singleturn_ok=0",
     };
     struct bench self = bench_of("s3684-rs485");
-    const struct lx_hf_settings *settings = (const void *)self.settings;
+    const struct dg_hf_settings *settings = (const void *)self.settings;
     (void)state;
-    assert_true(settings->line.pace && !settings->line.any_line);
+    assert_true(self.end.pace && !self.end.any_line);
     for (size_t i = 0; i < DG_COUNT(assignments); i++) {
         set(&self, assignments[i]);
     }
-    assert_false(settings->line.pace);
-    assert_true(settings->line.any_line);
-    assert_true(settings->encoder.model.reaction == DG_US(2500) &&
-                settings->encoder.model.init == DG_MS(20));
-    assert_int_equal(settings->encoder.model.periods_per_turn, 1024);
-    assert_int_equal(settings->encoder.model.steps_per_period, 16);
-    assert_int_equal(settings->encoder.model.turns, 65536);
-    assert_int_equal(settings->encoder.model.memory_blocks, 22);
-    assert_int_equal(settings->encoder.model.implemented_blocks, 23);
-    assert_int_equal(settings->encoder.model.type_code, 0xFF);
-    assert_string_equal(settings->encoder.model.version, "v2");
-    assert_int_equal(settings->encoder.model.temperature_min_degc, -25);
+    assert_false(self.end.pace);
+    assert_true(self.end.any_line);
+    assert_true(settings->model.reaction == DG_US(2500) && settings->model.init == DG_MS(20));
+    assert_int_equal(settings->model.periods_per_turn, 1024);
+    assert_int_equal(settings->model.steps_per_period, 16);
+    assert_int_equal(settings->model.turns, 65536);
+    assert_int_equal(settings->model.memory_blocks, 22);
+    assert_int_equal(settings->model.implemented_blocks, 23);
+    assert_int_equal(settings->model.type_code, 0xFF);
+    assert_string_equal(settings->model.version, "v2");
+    assert_int_equal(settings->model.temperature_min_degc, -25);
     assert_int_equal(self.world.temperature_mdegc, -12500);
     assert_int_equal(self.world.sin_offset_permille, -7);
     assert_int_equal(self.world.led_current_ua, 31000);
@@ -263,10 +300,10 @@ static void one_of_several_words(void **state)
     size_t size = 0;
     (void)state;
     for (uint8_t i = 0; i < DG_COUNT(words); i++) {
-        assert_int_equal(lx_key_set(&key, bytes, words[i], &error), 0);
+        assert_int_equal(set_value(&key, bytes, words[i], &error), 0);
         assert_int_equal(bytes[1], i);
     }
-    assert_int_equal(lx_key_set(&key, bytes, "mark", &error), -1);
+    assert_int_equal(set_value(&key, bytes, "mark", &error), -1);
     assert_string_equal(lx_error_line(&error).text, "none, even or odd is right");
     assert_int_equal(bytes[0], 9);
     assert_int_equal(bytes[2], 9);
@@ -306,19 +343,19 @@ static void serial_numbers_get_zeros_in_front(void **state)
 {
     static const char *const bad[] = {"", "1234567890", "12a", "-1"};
     struct bench self = bench_of("s3684-rs485");
-    const struct lx_hf_settings *settings = (const void *)self.settings;
-    const struct dg_key *serial = lx_stack_serial(&lx_hf_stack);
+    const struct dg_hf_settings *settings = (const void *)self.settings;
+    const struct dg_key *serial = dg_keys_find(&dg_hf_keys, "serial");
     struct lx_error error;
     (void)state;
-    assert_int_equal(lx_key_set(serial, self.settings, "4711", &error), 0);
-    assert_string_equal(settings->encoder.model.serial, "000004711");
-    assert_int_equal(lx_key_set(serial, self.settings, "987654321", &error), 0);
-    assert_string_equal(settings->encoder.model.serial, "987654321");
+    assert_int_equal(set_value(serial, self.settings, "4711", &error), 0);
+    assert_string_equal(settings->model.serial, "000004711");
+    assert_int_equal(set_value(serial, self.settings, "987654321", &error), 0);
+    assert_string_equal(settings->model.serial, "987654321");
     for (size_t i = 0; i < DG_COUNT(bad); i++) {
-        assert_int_equal(lx_key_set(serial, self.settings, bad[i], &error), -1);
+        assert_int_equal(set_value(serial, self.settings, bad[i], &error), -1);
         assert_string_equal(lx_error_line(&error).text, "1 to 9 digits are right");
     }
-    assert_string_equal(settings->encoder.model.serial, "987654321");
+    assert_string_equal(settings->model.serial, "987654321");
 }
 
 static void figures_have_to_fit_each_other(void **state)
@@ -364,20 +401,20 @@ static void settings_of_an_interbus_encoder(void **state)
     for (size_t i = 0; i < DG_COUNT(assignments); i++) {
         set(&k3, assignments[i]);
     }
-    set(&k1, "turns=16"); /* as one of a ring */
-    assert_int_equal(lx_key_set(lx_stack_serial(&lx_ib_stack), k3.settings, "33554432", &error),
-                     -1);
-    assert_int_equal(lx_key_set(lx_stack_serial(&lx_ib_stack), k3.settings, "33554431", &error), 0);
-    const struct dg_ib_model model = lx_ib_settings_model((const void *)k3.settings, 1);
-    assert_int_equal(model.steps, 8192);
-    assert_int_equal(model.turns, 16);
-    assert_true(model.steps_minus_one && !model.temperature_sensor && model.loop);
-    assert_int_equal(model.param_cycles, 7);
-    assert_int_equal(model.self_test, DG_S(1));
-    assert_int_equal(model.version, 0x1FFFFFF);
-    assert_int_equal(model.serial, 0); /* one after the last one of 25 bits */
+    set(&k1, "turns=16"); /* as one of a ring, which leaves them: test_ring_bus.c */
+    assert_int_equal(
+        set_value(dg_keys_find(&dg_ib_keys, "serial"), k3.settings, "33554432", &error), -1);
+    assert_int_equal(
+        set_value(dg_keys_find(&dg_ib_keys, "serial"), k3.settings, "33554431", &error), 0);
+    const struct dg_ib_model *model = (const void *)k3.settings;
+    assert_int_equal(model->steps, 8192);
+    assert_int_equal(model->turns, 16);
+    assert_true(model->steps_minus_one && !model->temperature_sensor && model->loop);
+    assert_int_equal(model->param_cycles, 7);
+    assert_int_equal(model->self_test, DG_S(1));
+    assert_int_equal(model->version, 0x1FFFFFF);
+    assert_int_equal(model->serial, 33554431);
     assert_false(k3.world.eeprom_acknowledges);
-    assert_int_equal(lx_ib_settings_model((const void *)k1.settings, 0).turns, 1);
 }
 
 /* --- which keys there are --- */
@@ -385,15 +422,17 @@ static void settings_of_an_interbus_encoder(void **state)
 /* What is said of key=1 of an encoder on `wire`. */
 static struct lx_error refused_key(const char *model, const char *wire, const char *assignment)
 {
-    const struct dg_plan plan = {.file = NULL};
-    const struct dg_plan_wire on = {.kind = dg_plan_find_kind(wire, strlen(wire))};
-    struct dg_plan_encoder encoder = {.model = dg_device_find(model)};
-    struct bench self = bench_of(model);
+    struct dg_plan plan;
+    struct lx_engine engine;
     struct lx_error error;
-    assert_int_equal(lx_plan_add_assignment(&encoder.settings, assignment, 0, &error), 0);
-    assert_int_equal(lx_stack_settings(&plan, &on, &encoder, self.settings, &self.world, &error),
-                     -1);
-    lx_plan_free_settings(&encoder.settings);
+    const struct dg_plan_wire_kind *kind = dg_plan_find_kind(wire, strlen(wire));
+    plan_rig_begin(&plan, "wire", kind, kind->usual);
+    assert_int_equal(dg_plan_add_encoder(&plan, "a", dg_device_find(model), 0, 0), 0);
+    assert_int_equal(lx_plan_add_assignment(&plan.encoders[0].settings, assignment, 0, &error), 0);
+    const struct lx_engine_setup setup = station_setup(&plan, NULL, NULL);
+    assert_int_equal(lx_engine_make(&engine, &setup, &error), -1);
+    lx_engine_close(&engine);
+    plan_rig_free(&plan);
     return error;
 }
 

@@ -625,7 +625,7 @@ static void without_a_file(void **state)
     struct lx_error error = {.right = ""};
     (void)state;
     plan_rig_begin(&plan, "w", dg_plan_find_kind("can", 3), "vcan0");
-    assert_int_equal(dg_plan_add_shaft(&plan, "main", "60RPM"), 0);
+    assert_int_equal(dg_plan_add_shaft(&plan, "main", "60RPM"), 1);
     for (int i = 0; i < 9; i++) {
         assert_int_equal(dg_plan_add_encoder(&plan, "e", dg_device_find("f3668"), 0, 0), i);
     }

@@ -31,8 +31,6 @@
 #define STATUS 0x100Cu
 #define SETTINGS_LINE 9u
 
-static const struct lx_say quiet = {.quiet = true};
-
 /* What the tap told. */
 struct ears {
     struct lx_tap_listener listener;
@@ -47,10 +45,11 @@ struct bench {
     char name[DEVICES_MAX][24];
     sd_event *event;
     struct dg_plan plan;
+    struct dg_plan_shaft shaft;
     struct dg_plan_wire wire;
     struct dg_plan_encoder encoder[DEVICES_MAX];
-    struct lx_station station[DEVICES_MAX];
-    struct lx_station *stations[DEVICES_MAX];
+    struct lx_engine engine;
+    struct lx_station *station;
     dg_angle angle[DEVICES_MAX];
     struct lx_clock clock;
     size_t count;
@@ -86,7 +85,7 @@ static void shut(struct bench *self)
     }
     self->client = NULL;
     if (self->bus != NULL) {
-        station_close_bus(self->bus);
+        station_close(&self->engine);
     }
     self->bus = NULL;
 }
@@ -137,8 +136,6 @@ static void plan_ring(struct bench *self, const char *const *models, size_t coun
             .serial_line = 8,
         };
         set(&encoder->settings, "self_test_ms=0");
-        station_make(&self->station[i], encoder, i, &self->angle[i]);
-        self->stations[i] = &self->station[i];
     }
 }
 
@@ -146,16 +143,25 @@ static const char *const mixed[] = {"ocd-ib-k1", "ocd-ib-k3", "ocd-ib-k2"};
 
 static struct lx_bus *make(struct bench *self)
 {
-    const struct lx_bus_setup setup = {
-        .event = self->event,
-        .say = &quiet,
-        .plan = &self->plan,
-        .wire = &self->wire,
-        .stations = self->stations,
-        .count = self->count,
-        .clock = &self->clock,
-    };
-    return lx_bus_new(&setup, &self->error);
+    const struct lx_engine_setup setup = station_setup(&self->plan, self->event, &self->clock);
+    self->shaft = (struct dg_plan_shaft){.name = "shaft", .driver = -1};
+    self->wire.stack = self->encoder[0].model->stack;
+    self->wire.encoder_count = self->count;
+    self->plan.shafts = &self->shaft;
+    self->plan.shaft_count = 1;
+    self->plan.wires = &self->wire;
+    self->plan.wire_count = 1;
+    self->plan.encoders = self->encoder;
+    self->plan.encoder_count = self->count;
+    if (lx_engine_make(&self->engine, &setup, &self->error) != 0) {
+        lx_engine_close(&self->engine);
+        return NULL;
+    }
+    self->station = self->engine.stations;
+    for (size_t i = 0; i < self->count; i++) {
+        station_turn(&self->station[i], &self->angle[i]);
+    }
+    return self->engine.wires[0].bus;
 }
 
 static void connect_client(struct bench *self)
@@ -184,7 +190,7 @@ static void open_ring(struct bench *self)
 
 static struct dg_ib *device(struct bench *self, size_t i)
 {
-    return self->station[i].control.device;
+    return self->station[i].control->device;
 }
 
 static void turn(struct bench *self)
@@ -408,17 +414,17 @@ static void each_is_its_own(void **state)
     assert_int_equal(in[2], 0x3456);
     assert_int_equal(in[3], 3);
     assert_int_equal(in[4], 0x4567);
-    assert_int_equal(self->station[1].control.world->temperature_mdegc, 37000);
-    assert_int_equal(self->station[2].control.world->temperature_mdegc, 20000);
-    assert_int_equal(self->station[1].control.serial, 4711);
+    assert_int_equal(self->station[1].control->world->temperature_mdegc, 37000);
+    assert_int_equal(self->station[2].control->world->temperature_mdegc, 20000);
+    assert_int_equal(self->station[1].control->serial, 4711);
     assert_int_equal(device(self, 1)->setup.model->serial, 4711);
     assert_int_equal(device(self, 1)->setup.model->param_cycles, 7);
     assert_int_equal(device(self, 2)->setup.model->param_cycles,
                      dg_ib_model_of(dg_device_find("ocd-ib-k2"))->param_cycles);
     assert_int_equal(device(self, 2)->setup.model->serial,
                      dg_ib_model_of(dg_device_find("ocd-ib-k2"))->serial + 2);
-    assert_null(self->station[0].control.nvm.ops);
-    assert_non_null(self->station[1].control.nvm.ops);
+    assert_null(self->station[0].control->nvm.ops);
+    assert_non_null(self->station[1].control->nvm.ops);
 }
 
 /* A zero shift, to the K3 whose OUT is at this address. */

@@ -19,47 +19,31 @@
 #include "descriptors.h"
 #include "drehgeber/bits.h"
 #include "drehgeber/devices.h"
-#include "modbus_ring.h"
+#include "ring_rig.h"
 
 #define BYTES_MAX 16384u
-
-static const struct lx_say quiet = {.quiet = true};
 
 struct bench {
     char folder[40];
     char path[64];
     char link[64];
-    struct dg_world world;
-    struct lx_ring_member members[3]; /* a K2 between two K3 */
-    struct lx_ring ring;
+    const char *nvm;
+    struct ring_rig rig; /* a K2 between two K3 */
+    struct lx_ring *ring;
     struct lx_error error;
     uint8_t bytes[BYTES_MAX]; /* of the file */
 };
 
-static dg_angle still(void *ctx, dg_ns now)
-{
-    (void)ctx;
-    (void)now;
-    return 0;
-}
-
 static int set_up(void **state)
 {
-    static const struct dg_device *const models[] = {&dg_ocd_ib_k3, &dg_ocd_ib_k2, &dg_ocd_ib_k3};
     struct bench *self = calloc(1, sizeof *self);
     assert_non_null(self);
     (void)strcpy(self->folder, "/tmp/test_ring_files.XXXXXX");
     assert_non_null(mkdtemp(self->folder));
     (void)snprintf(self->path, sizeof self->path, "%s/nvm", self->folder);
     (void)snprintf(self->link, sizeof self->link, "%s/link", self->folder);
-    dg_world_init(&self->world);
-    self->world.angle = still;
-    for (size_t i = 0; i < 3; i++) {
-        self->members[i] = (struct lx_ring_member){.device = models[i],
-                                                   .model = *dg_ib_model_of(models[i]),
-                                                   .world = &self->world,
-                                                   .nvm = self->path};
-    }
+    self->nvm = self->path;
+    self->ring = &self->rig.ring;
     *state = self;
     return 0;
 }
@@ -77,8 +61,12 @@ static int tear_down(void **state)
 
 static int open_ring(struct bench *self)
 {
-    const struct lx_ring_setup setup = {.members = self->members, .count = 3, .say = &quiet};
-    return lx_ring_open(&self->ring, &setup, 0, &self->error);
+    static const struct dg_device *const models[] = {&dg_ocd_ib_k3, &dg_ocd_ib_k2, &dg_ocd_ib_k3};
+    ring_rig_plan(&self->rig, models, 3);
+    for (size_t i = 0; i < 3; i++) {
+        self->rig.plan.encoders[i].nvm = self->nvm;
+    }
+    return ring_rig_open(&self->rig, NULL, NULL, 0, &self->error);
 }
 
 static size_t read_file(struct bench *self, uint8_t *bytes)
@@ -99,7 +87,7 @@ static void write_file(struct bench *self, size_t n)
 }
 
 /* An image of `count` regions with a shift of its own at `to`. @return bytes */
-static uint32_t make_image(struct bench *self, uint8_t count, uint32_t shift, uint8_t *to)
+static uint32_t make_image(uint8_t count, uint32_t shift, uint8_t *to)
 {
     struct dg_store_layout older = dg_ib_layout;
     struct lx_nvm_memory memory;
@@ -109,7 +97,7 @@ static uint32_t make_image(struct bench *self, uint8_t count, uint32_t shift, ui
     const uint32_t size = dg_store_size(&older);
     assert_int_equal(lx_nvm_memory_init(&memory, size), 0);
     const struct dg_nvm nvm = lx_nvm_memory_port(&memory);
-    assert_int_equal(dg_store_format(&older, nvm, &self->members[0].model), DG_OK);
+    assert_int_equal(dg_store_format(&older, nvm, dg_ib_model_of(&dg_ocd_ib_k3)), DG_OK);
     assert_int_equal(dg_store_mount(&store, &older, nvm), DG_OK);
     dg_store_be32(bytes, shift);
     assert_int_equal(dg_store_put(&store, DG_IB_REGION_SHIFT, 0, bytes, 4), DG_OK);
@@ -121,8 +109,8 @@ static uint32_t make_image(struct bench *self, uint8_t count, uint32_t shift, ui
 /* @return bytes of the file */
 static size_t make_file(struct bench *self, uint8_t count)
 {
-    const uint32_t first = make_image(self, count, 0x11, self->bytes);
-    const size_t n = first + make_image(self, count, 0x22, self->bytes + first);
+    const uint32_t first = make_image(count, 0x11, self->bytes);
+    const size_t n = first + make_image(count, 0x22, self->bytes + first);
     write_file(self, n);
     return n;
 }
@@ -136,11 +124,11 @@ static void images_are_moved_apart(void **state)
         assert_int_equal(chmod(self->path, 0640), 0);
         for (int round = 0; round < 2; round++) {
             assert_int_equal(open_ring(self), 0);
-            assert_int_equal(lx_ring_device(&self->ring, 0)->shift, 0x11);
-            assert_int_equal(lx_ring_device(&self->ring, 2)->shift, 0x22);
+            assert_int_equal(lx_ring_device(self->ring, 0)->shift, 0x11);
+            assert_int_equal(lx_ring_device(self->ring, 2)->shift, 0x22);
             assert_int_equal(
-                lx_ring_device(&self->ring, 0)->lost | lx_ring_device(&self->ring, 2)->lost, 0);
-            lx_ring_close(&self->ring);
+                lx_ring_device(self->ring, 0)->lost | lx_ring_device(self->ring, 2)->lost, 0);
+            ring_rig_close(&self->rig);
             assert_int_equal(stat(self->path, &info), 0);
             assert_int_equal(info.st_size, 2 * dg_store_size(&dg_ib_layout));
             assert_int_equal(info.st_mode & 07777, 0640);
@@ -157,7 +145,7 @@ static void a_ring_that_is_refused_changes_nothing(void **state)
     write_file(self, n);
     assert_int_equal(open_ring(self), -1);
     assert_non_null(strstr(lx_error_line(&self->error).text, "holds no image of device 2"));
-    lx_ring_close(&self->ring);
+    ring_rig_close(&self->rig);
     assert_int_equal(read_file(self, after), n);
     assert_memory_equal(after, self->bytes, n);
 }
@@ -173,13 +161,13 @@ static void links_are_followed_and_the_file_stays_locked(void **state)
     struct stat info;
     (void)make_file(self, DG_IB_REGION_TIME);
     assert_int_equal(symlink("nvm", self->link), 0);
-    self->members[0].nvm = self->members[1].nvm = self->members[2].nvm = self->link;
+    self->nvm = self->link;
     assert_int_equal(open_ring(self), 0);
     assert_int_equal(lstat(self->link, &info), 0);
     assert_true(S_ISLNK(info.st_mode));
     assert_int_equal(lx_nvm_file_open(&other, self->path, &image, &error), -1);
     assert_non_null(strstr(lx_error_line(&error).text, "in use"));
-    lx_ring_close(&self->ring);
+    ring_rig_close(&self->rig);
     assert_int_equal(lx_nvm_file_open(&other, self->path, &image, &error), 0);
     assert_int_equal(other.length, 2 * dg_store_size(&dg_ib_layout));
     lx_nvm_file_close(&other);
@@ -191,8 +179,8 @@ static void a_ring_says_what_it_answers_without_its_memory(void **state)
     struct bench *self = *state;
     (void)make_file(self, DG_IB_REGION_COUNT);
     assert_int_equal(open_ring(self), 0);
-    assert_string_equal(self->ring.stores[0].image.file.answer, "the encoder answers 86000000h");
-    lx_ring_close(&self->ring);
+    assert_string_equal(self->ring->stores[0].image.file.answer, "the encoder answers 86000000h");
+    ring_rig_close(&self->rig);
 }
 
 static void is_not_replaced(struct bench *self, struct lx_nvm_file *file, const char *reason)

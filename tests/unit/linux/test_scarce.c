@@ -355,7 +355,7 @@ static bool serve_client(struct lx_rig *rig, sd_event *event, struct lx_error *e
     struct dg_control client;
     struct answer answer = {.text = ""};
     bool told = true;
-    dg_control_init(&client, &rig->control, keep_answer, &answer);
+    dg_control_init(&client, rig->control, keep_answer, &answer);
     for (size_t i = 0; i < 2u * COMMANDS && scarce.refused == NULL; i++) {
         const char *command = commands[i / 2u];
         send_line(&client, event, command);
@@ -459,7 +459,7 @@ static void a_file_that_closes_badly_is_not_whole(void **state)
     assert_int_equal(lx_plan_read(&plan, "rig.ini", &error), 0);
     const struct lx_rig_setup setup = {.event = event, .say = &quiet, .plan = &plan};
     assert_int_equal(lx_rig_open(&rig, &setup, lx_now(), &error), LX_RIG_OK);
-    dg_control_init(&client, &rig->control, keep_answer, &answer);
+    dg_control_init(&client, rig->control, keep_answer, &answer);
     for (size_t i = 0; i < DG_COUNT(rows); i++) {
         send_line(&client, event, rows[i][0]);
         scarce.disk_is_broken = true;

@@ -92,7 +92,7 @@ static void frames_that_nobody_sees_are_counted(void **state)
     for (size_t i = 0; i < 2; i++) {
         struct sim_rig rig;
         open_one(&rig);
-        const struct dg_biss *device = rig.station[0].control.device;
+        const struct dg_biss *device = rig.station[0].control->device;
         if (i == 1) {
             lx_tap_remove(&rig.bus->tap, &rig.heard.listener);
         }
@@ -113,10 +113,10 @@ static void a_wire_that_nobody_looks_at_sleeps(void **state)
     struct sim_rig rig;
     (void)state;
     open_one(&rig);
-    const struct dg_biss *device = rig.station[0].control.device;
+    const struct dg_biss *device = rig.station[0].control->device;
     lx_tap_remove(&rig.bus->tap, &rig.heard.listener);
     rig.clock = (struct lx_clock){lx_now(), SIM_RIG_READY, 100000}; /* a frame each millisecond */
-    rig.bus->ops->changed(rig.bus, rig.stations[0], SIM_RIG_READY);
+    rig.bus->ops->changed(rig.bus, rig.station, SIM_RIG_READY);
     while (sd_event_run(rig.event, 200000) > 0) {
     }
     const uint32_t before = device->counters.frames;
@@ -133,7 +133,7 @@ static void a_fault_is_used_up_by_frames_that_nobody_sees(void **state)
     struct sim_rig rig;
     (void)state;
     open_one(&rig);
-    const struct dg_faults *faults = &rig.station[0].control.faults;
+    const struct dg_faults *faults = &rig.station[0].control->faults;
     lx_tap_remove(&rig.bus->tap, &rig.heard.listener);
     sim_rig_step_to(&rig, SIM_RIG_READY + DG_S(10));
     sim_rig_bend(&rig, 0, DG_WIRE_DAMAGE, 3);
@@ -152,7 +152,7 @@ static void time_never_runs_backwards(void **state)
     const uint8_t bank = 7;
     (void)state;
     open_one(&rig);
-    const struct dg_biss *device = rig.station[0].control.device;
+    const struct dg_biss *device = rig.station[0].control->device;
     assert_int_equal(sim_rig_write(&rig, 0, 0x40, &bank, 1), 0);
     for (int i = 0; i < 3; i++) {
         assert_int_equal(sim_rig_read(&rig, 0, 0x00, bytes, sizeof bytes), 0);
@@ -212,9 +212,9 @@ static void without_power_there_is_no_answer(void **state)
     uint8_t byte = 0;
     (void)state;
     open_one(&rig);
-    struct dg_biss *device = rig.station[0].control.device;
+    struct dg_biss *device = rig.station[0].control->device;
     dg_biss_power_off(device);
-    rig.bus->ops->changed(rig.bus, rig.stations[0], SIM_RIG_READY);
+    rig.bus->ops->changed(rig.bus, rig.station, SIM_RIG_READY);
     assert_int_equal(sim_rig_frame(&rig, 0), DG_SCPI_HARDWARE);
     assert_string_equal(rig.heard.note, "no answer");
     assert_int_equal(sim_rig_read(&rig, 0, 0x78, &byte, 1), DG_SCPI_HARDWARE);
@@ -273,7 +273,7 @@ static void without_power_no_fault_is_used_up(void **state)
     struct sim_rig rig;
     (void)state;
     open_one(&rig);
-    struct dg_biss *device = rig.station[0].control.device;
+    struct dg_biss *device = rig.station[0].control->device;
     sim_rig_bend(&rig, 0, DG_WIRE_DROP, 1);
     dg_biss_power_off(device);
     sim_rig_step_to(&rig, SIM_RIG_READY + DG_MS(250));
@@ -328,7 +328,7 @@ static void a_cut_wire_reads_high(void **state)
         assert_int_equal(sim_rig_frame(&rig, 0), DG_SCPI_HARDWARE);
     }
     assert_int_equal(sim_rig_read(&rig, 0, 0x78, &byte, 1), DG_SCPI_HARDWARE);
-    rig.station[0].control.faults = (struct dg_faults){0};
+    rig.station[0].control->faults = (struct dg_faults){0};
     assert_int_equal(sim_rig_frame(&rig, 0), 0);
     assert_true(sim_rig_crc_ok(&rig));
     sim_rig_close(&rig);
@@ -379,9 +379,8 @@ static void what_does_not_fit_is_refused(void **state)
             (void)lx_plan_add_assignment(&encoder->settings, rows[i].setting, 7, &error);
         }
         encoder->serial = rows[i].serial;
-        sim_rig_stations(&rig);
-        assert_null(lx_sim_bus_make(&rig.setup, &error));
-        assert_non_null(strstr(lx_error_line(&error).text, rows[i].says));
+        sim_rig_prepare(&rig);
+        assert_non_null(strstr(sim_rig_refused(&rig).text, rows[i].says));
         rig.event = sd_event_unref(rig.event);
         plan_rig_free(&rig.plan);
     }
@@ -399,11 +398,11 @@ static void settings_reach_the_station(void **state)
     assert_int_equal(lx_plan_add_assignment(settings, "lc=0", 0, &error), 0);
     assert_int_equal(lx_plan_add_assignment(settings, "busy_us=30", 0, &error), 0);
     sim_rig_open(&rig);
-    assert_int_equal(rig.station[0].control.world->temperature_mdegc, 85000);
-    assert_ptr_equal(rig.station[0].control.world->angle_ctx, &rig.shaft[0]);
+    assert_int_equal(rig.station[0].control->world->temperature_mdegc, 85000);
+    assert_ptr_equal(rig.station[0].control->world->angle_ctx, &rig.shaft[0]);
     assert_int_equal(sim_rig_frame(&rig, 0), 0);
     assert_int_equal(rig.count, SIM_RIG_DATA_BITS + 1 - 1 - 6);
-    const struct dg_biss *device = rig.station[0].control.device;
+    const struct dg_biss *device = rig.station[0].control->device;
     assert_true(device->setup.model->busy == DG_US(30));
     sim_rig_close(&rig);
 }

@@ -174,7 +174,7 @@ static void faults_behind_a_cable(void **state)
     assert_false(sim_rig_crc_ok(&rig));
     sim_rig_bend(&rig, 0, DG_WIRE_BREAK, 0);
     assert_int_equal(sim_rig_frame(&rig, 0), DG_SCPI_HARDWARE);
-    rig.station[0].control.faults = (struct dg_faults){0};
+    rig.station[0].control->faults = (struct dg_faults){0};
     assert_all_answer(&rig, 6);
     sim_rig_close(&rig);
 }
@@ -185,12 +185,12 @@ static void power_behind_a_cable(void **state)
     struct sim_rig rig;
     (void)state;
     open_timed(&rig, 1, "clock_hz=10000000 line_delay_ns=5000");
-    struct dg_biss *device = rig.station[0].control.device;
+    struct dg_biss *device = rig.station[0].control->device;
     for (unsigned i = 0; i < 250; i++) {
         sim_rig_bend(&rig, 0, DG_WIRE_BREAK, 0);
         sim_rig_step_to(&rig, SIM_RIG_READY);
         dg_biss_power_off(device);
-        rig.station[0].control.faults = (struct dg_faults){0};
+        rig.station[0].control->faults = (struct dg_faults){0};
         sim_rig_step_to(&rig, SIM_RIG_READY);
         assert_int_equal(dg_biss_power_on(device, SIM_RIG_READY), DG_OK);
         sim_rig_step_to(&rig, SIM_RIG_READY);
@@ -219,13 +219,11 @@ static void timings_out_of_range_are_refused(void **state)
     (void)state;
     for (size_t i = 0; i < DG_COUNT(rows); i++) {
         struct sim_rig rig;
-        struct lx_error error = {.right = ""};
         sim_rig_plan(&rig, 1);
         rig.plan.file = "rig.ini";
         add_timings(&rig, rows[i][0], 4);
-        sim_rig_stations(&rig);
-        assert_null(lx_sim_bus_make(&rig.setup, &error));
-        assert_string_equal(lx_error_line(&error).text, rows[i][1]);
+        sim_rig_prepare(&rig);
+        assert_string_equal(sim_rig_refused(&rig).text, rows[i][1]);
         rig.event = sd_event_unref(rig.event);
         plan_rig_free(&rig.plan);
     }

@@ -13,14 +13,17 @@
 
 #include <cmocka.h>
 
+#include "clocked_rig.h"
 #include "drehgeber/devices.h"
 #include "drehgeber/instruments.h"
+#include "engine.h"
 #include "host_rig.h"
 #include "plan_rig.h"
 #include "sim_master.h"
 #include "sim_settings.h"
 #include "ssi_clocked.h"
 #include "ssi_rig.h"
+#include "station_rig.h"
 
 #define BEGIN DG_S(1)
 
@@ -43,9 +46,10 @@ static void begin_with(const struct dg_ssi_model *model, const struct dg_plan_ti
     *dg_host_world(host) = rig.world;
     assert_int_equal(dg_host_power(host, BEGIN, true), DG_OK);
     lx_clocked_close(line != NULL ? &line->base : NULL);
-    line = (struct lx_ssi_line *)lx_clocked_new(&lx_clocked_ssi, 1);
+    line = (struct lx_ssi_line *)lx_clocked_new(&lx_clocked_ssi);
     assert_non_null(line);
-    lx_clocked_add(&line->base, host, &control);
+    const struct dg_bus_edges_setup cable = lx_clocked_wire_cable(timing);
+    clocked_rig_connect(&line->base, host, &control, &cable, &tap);
     ssi = lx_clocked_device(&line->base, 0);
     lx_sim_master_init(&master, &tap, &line->base, timing, BEGIN);
     lx_sim_master_pause(&master, BEGIN + model->init);
@@ -118,7 +122,7 @@ static void what_is_said_of_a_word(void **state)
     expect_texts("MT 0  ST 2048  90.000000 deg", "position 0:2048");
     begin(&dg_ssi_28);
     (void)turn_to(3u << 16 | 1u << 15);
-    dg_host_world(line->base.host[0])->watchdog_fired = true;
+    dg_host_world(dg_bus_encoder(line->base.bus, 0))->watchdog_fired = true;
     assert_int_equal(read_word(), LX_CLOCKED_GOOD);
     expect_texts("MT 3  ST 32768  180.000000 deg  error 1  parity valid",
                  "position 3:32768  error 1  parity ok");
@@ -268,48 +272,69 @@ static void a_delay_moves_the_word_by_a_clock(void **state)
 /* --- from a plan --- */
 
 static struct dg_plan plan;
-static struct lx_station station;
-static struct lx_station *stations[1] = {&station};
+static struct lx_engine engine;
 
-static struct lx_clocked *line_of_plan(enum lx_clocked_master who, const char *setting,
-                                       struct lx_error *error)
+/* A wire that nobody opens. */
+static struct {
+    struct lx_bus bus;
+    struct lx_clocked *line;
+    enum lx_clocked_master who;
+} wire;
+
+static int check_settings(struct lx_bus *bus, struct lx_station *station, struct lx_error *error)
 {
-    const struct lx_bus_setup setup = {
-        .plan = &plan, .wire = plan.wires, .stations = stations, .count = 1};
+    return lx_clocked_check(wire.line, &bus->setup, station, error);
+}
+
+static void close_wire(struct lx_bus *bus)
+{
+    (void)bus;
+    lx_clocked_close(wire.line);
+}
+
+static struct lx_bus *make_wire(const struct lx_bus_setup *setup, struct dg_engine_wire *to,
+                                struct lx_error *error)
+{
+    static const struct lx_bus_ops ops = {.check = check_settings, .close = close_wire};
+    wire.bus = (struct lx_bus){.ops = &ops, .setup = *setup};
+    wire.line = lx_clocked_make(setup, to, wire.who, error);
+    assert_non_null(wire.line);
+    return &wire.bus;
+}
+
+static int make_line(enum lx_clocked_master who, const char *setting, struct lx_error *error)
+{
+    struct lx_engine_setup setup = station_setup(&plan, NULL, NULL);
     struct dg_plan_encoder *encoder = &plan.encoders[0];
     lx_plan_free_settings(&encoder->settings);
     if (setting != NULL) {
         assert_int_equal(lx_plan_add_assignment(&encoder->settings, setting, 0, error), 0);
     }
-    dg_world_init(&station.world);
-    station.world.angle = rig.world.angle;
-    station.world.angle_ctx = &rig;
-    station.plan = encoder;
-    station.control = (struct dg_encoder){.name = "a", .world = &station.world};
-    return lx_clocked_make(&setup, who, error);
+    wire.who = who;
+    setup.make = make_wire;
+    return lx_engine_make(&engine, &setup, error);
 }
 
 static dg_ns monoflop_of(enum lx_clocked_master who, const char *setting)
 {
     struct lx_error error = {.right = ""};
-    struct lx_clocked *made = line_of_plan(who, setting, &error);
-    assert_non_null(made);
-    const struct lx_bus_setup setup = {
-        .plan = &plan, .wire = plan.wires, .stations = stations, .count = 1};
-    assert_int_equal(lx_clocked_open(made, &setup, 0, BEGIN, &error), 0);
-    const struct dg_ssi *opened = station.control.device;
+    assert_int_equal(make_line(who, setting, &error), 0);
+    assert_int_equal(
+        lx_clocked_open(wire.line, &wire.bus.setup, wire.bus.core, &tap, BEGIN, &error), 0);
+    const struct dg_ssi *opened = engine.stations[0].control->device;
     const dg_ns monoflop = opened->setup.model->monoflop;
     assert_int_equal(opened->state, DG_SSI_START);
-    assert_int_equal(made->init, DG_MS(100));
-    lx_clocked_close(made);
+    assert_int_equal(lx_clocked_init(wire.line), DG_MS(100));
+    lx_engine_close(&engine);
     return monoflop;
 }
 
 static void refuse(const char *setting, const char *right)
 {
     struct lx_error error = {.right = ""};
-    assert_null(line_of_plan(LX_CLOCKED_HERE, setting, &error));
+    assert_int_equal(make_line(LX_CLOCKED_HERE, setting, &error), -1);
     assert_string_equal(lx_error_line(&error).text, right);
+    lx_engine_close(&engine);
 }
 
 static void a_plan_makes_the_line(void **state)

@@ -17,11 +17,11 @@ struct tenbit_line {
     uint32_t word;
 };
 
-static int suit(struct lx_clocked *base, const struct lx_bus_setup *setup, size_t index,
-                enum lx_clocked_master master, struct lx_error *error)
+static int check(const struct lx_bus_setup *setup, const struct lx_station *station,
+                 enum lx_clocked_master master, struct lx_error *error)
 {
-    const char *name = setup->stations[index]->plan->model->name;
-    (void)base;
+    const char *name = station->plan->model->name;
+    (void)setup;
     return master == LX_CLOCKED_HERE ? 0
                                      : lx_refuse(error, "sim is right",
                                                  "%s has no time for a master in user space", name);
@@ -81,7 +81,7 @@ static const struct lx_clocked_protocol protocol = {
     .data = "DATA",
     .encoders_max = 1,
     .size = sizeof(struct tenbit_line),
-    .suit = suit,
+    .check = check,
     .rises = rises,
     .read = read_frame,
     .skip = skip,
