@@ -31,8 +31,6 @@
 #define TIMEOUT_MIN_US (DG_BISS_TIMEOUT_NS / DG_US(1))
 #define TIMEOUT_MAX_US (DG_BISS_TIMEOUT_MAX_NS / DG_US(1))
 
-_Static_assert(DG_BISS_CHAIN_MAX <= LX_CLOCKED_MAX, "room for a chain");
-
 static struct lx_biss_line *line_of(struct lx_clocked *base)
 {
     return (struct lx_biss_line *)base;
@@ -221,7 +219,6 @@ static dg_ns init(const void *settings)
 const struct lx_clocked_protocol lx_clocked_biss = {
     .clock = CLOCK_NAME,
     .data = DATA_NAME,
-    .encoders_max = DG_BISS_CHAIN_MAX,
     .size = sizeof(struct lx_biss_line),
     .slow_down = slow_down,
     .check = check_timeout,

@@ -15,7 +15,7 @@ struct lx_biss_line {
     struct lx_clocked base;
     /** The frame that the master of a simulated wire has read last. */
     struct {
-        uint64_t bits[DG_BISS_CHAIN_MAX]; /**< behind CDS, right-aligned */
+        uint64_t bits[LX_CLOCKED_MAX]; /**< behind CDS, right-aligned */
         bool cds;
         bool answered; /**< there was an Ack */
         dg_ns start;   /**< from e1 to the start bit, without the delay of the cable */

@@ -59,33 +59,6 @@ void *lx_clocked_device(const struct lx_clocked *self, size_t index)
 
 /* --- from a plan --- */
 
-static const struct lx_clocked_protocol *protocol_of(const struct lx_station *station)
-{
-    return lx_stack_of(station->plan->model)->clocked;
-}
-
-/* All have to speak the protocol of the first one. @return it, or NULL with `error` */
-static const struct lx_clocked_protocol *choose(const struct lx_bus_setup *setup,
-                                                struct lx_error *error)
-{
-    const struct lx_clocked_protocol *first = protocol_of(setup->stations[0]);
-    for (size_t i = 0; i < setup->count; i++) {
-        const struct dg_plan_encoder *encoder = setup->stations[i]->plan;
-        if (first == NULL || protocol_of(setup->stations[i]) != first) {
-            (void)lx_fail(error, "%s cannot be on this wire", encoder->model->name);
-            (void)lx_plan_stands(setup->plan, encoder->line, error);
-            return NULL;
-        }
-        if (i == first->encoders_max) {
-            (void)lx_fail(error, "this wire is full: at most %zu encoders is right",
-                          first->encoders_max);
-            (void)lx_plan_stands(setup->plan, encoder->line, error);
-            return NULL;
-        }
-    }
-    return first;
-}
-
 struct lx_clocked *lx_clocked_new(const struct lx_clocked_protocol *protocol)
 {
     struct lx_clocked *self = calloc(1, protocol->size);
@@ -118,8 +91,10 @@ static void place_encoder(struct lx_clocked *self, size_t index)
 struct lx_clocked *lx_clocked_make(const struct lx_bus_setup *setup, struct dg_engine_wire *to,
                                    enum lx_clocked_master master, struct lx_error *error)
 {
-    const struct lx_clocked_protocol *protocol = choose(setup, error);
+    const struct dg_device *first = setup->stations[0]->plan->model;
+    const struct lx_clocked_protocol *protocol = lx_stack_of(first)->clocked;
     if (protocol == NULL) {
+        (void)lx_fail(error, "%s cannot be on this wire", first->name);
         return NULL;
     }
     struct lx_clocked *self = lx_clocked_new(protocol);

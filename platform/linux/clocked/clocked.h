@@ -56,8 +56,7 @@ enum lx_clocked_master {
 struct lx_clocked_protocol {
     const char *clock; /**< its names of the lines, for messages, e.g. "MA" */
     const char *data;
-    size_t encoders_max; /**< on one line, LX_CLOCKED_MAX at most */
-    size_t size;         /**< of its line: struct lx_clocked and what the master has read */
+    size_t size; /**< of its line: struct lx_clocked and what the master has read */
 
     /** Settings of an encoder as delivered become what suits a master on GPIO lines, before the
      * plan says its own. NULL: they suit every master. */
@@ -109,7 +108,7 @@ struct lx_clocked {
 /** A line of `protocol` without encoders, on no bus. @return NULL: no memory */
 struct lx_clocked *lx_clocked_new(const struct lx_clocked_protocol *protocol);
 
-/** A line with what a bus is made of, which all has to speak one protocol; `to` gets its door.
+/** A line with what a bus is made of, which all speaks one protocol; `to` gets its door.
  * Nothing outside this program is touched. @return NULL with one line in `error` */
 struct lx_clocked *lx_clocked_make(const struct lx_bus_setup *setup, struct dg_engine_wire *to,
                                    enum lx_clocked_master master, struct lx_error *error);

@@ -22,7 +22,6 @@
 #include <string.h>
 
 #include "sim_bus.h"
-#include "sim_settings.h"
 #include "sim_silkit.h"
 #include "timer.h"
 
@@ -267,6 +266,46 @@ static void close_bus(struct lx_bus *bus)
     free(self);
 }
 
+/* --- what is right --- */
+
+/* A bit is looked at half a period behind the edge that it belongs to. */
+static int check_timing(const struct dg_plan_timing *timing, struct lx_error *error)
+{
+    const uint64_t back_ns = (uint64_t)2u * timing->line_delay_ns;
+    struct lx_words right = {""};
+    if (timing->compensate || 2u * back_ns * timing->clock_hz <= DG_S(1)) {
+        return 0;
+    }
+    lx_words_add(&right, "clock_hz up to %u is right", (unsigned)(DG_S(1) / (2u * back_ns)));
+    return lx_refuse(error, right.text,
+                     "the way there and back, %u ns, is longer than half a period of %u Hz",
+                     (unsigned)back_ns, timing->clock_hz);
+}
+
+/* By itself it is right: somebody has set it. */
+static int refuse_key(const struct dg_plan *plan, const struct dg_plan_wire *wire, const char *key,
+                      struct lx_error *error)
+{
+    const struct dg_plan_setting *row = wire->settings.list;
+    while (strcmp(row->key, key) != 0) {
+        row++;
+    }
+    return lx_plan_refuse_setting(plan, row, error);
+}
+
+static int check_wire(const struct lx_bus_setup *setup, const struct lx_clocked *line,
+                      struct lx_error *error)
+{
+    const struct dg_plan_timing *timing =
+        &dg_engine_wire_of(setup->engine, setup->index)->line.timing;
+    if (check_timing(timing, error) != 0) {
+        return refuse_key(setup->plan, setup->wire, "compensate", error);
+    }
+    return lx_clocked_check_rate(line, timing->clock_hz, error) == 0
+               ? 0
+               : refuse_key(setup->plan, setup->wire, "clock_hz", error);
+}
+
 /* A simulation has a clock of its own, which suits all. */
 static int check(struct lx_bus *bus, struct lx_station *station, struct lx_error *error)
 {
@@ -276,7 +315,7 @@ static int check(struct lx_bus *bus, struct lx_station *station, struct lx_error
         return -1;
     }
     const bool last = station->place + 1u == setup->count;
-    return last && !self->driven ? lx_sim_timing_check(setup, self->line, error) : 0;
+    return last && !self->driven ? check_wire(setup, self->line, error) : 0;
 }
 
 static const struct lx_bus_ops ops = {

@@ -235,7 +235,6 @@ static int check_rate(const void *settings, uint32_t hz, struct lx_error *error)
 const struct lx_clocked_protocol lx_clocked_ssi = {
     .clock = CLOCK_NAME,
     .data = DATA_NAME,
-    .encoders_max = 1,
     .size = sizeof(struct lx_ssi_line),
     .slow_down = slow_down,
     .init = init,

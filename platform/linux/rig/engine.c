@@ -203,7 +203,10 @@ int lx_engine_make(struct lx_engine *self, const struct lx_engine_setup *setup,
     *self = (struct lx_engine){.setup = *setup, .error = error};
     const int result = make_core(self, &core);
     for (size_t i = 0; result == 0 && i < setup->bus.plan->wire_count; i++) {
-        self->wires[i].bus->core = dg_engine_bus(self->core, i);
+        struct lx_bus *bus = self->wires[i].bus;
+        if (bus != NULL) { /* each is there */
+            bus->core = dg_engine_bus(self->core, i);
+        }
     }
     return result;
 }

@@ -7,7 +7,6 @@
 #include "hf_settings.h"
 #include "modbus_settings.h"
 #include "silkit.h"
-#include "sim_settings.h"
 #include "ssi_clocked.h"
 
 const struct lx_stack *const lx_stacks[] = {

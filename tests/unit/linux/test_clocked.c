@@ -75,7 +75,6 @@ static void note(const struct lx_clocked *base, const struct lx_clocked_wire *wi
 static const struct lx_clocked_protocol protocol = {
     .clock = "CLOCK",
     .data = "DATA",
-    .encoders_max = 1,
     .size = sizeof(struct word_line),
     .read = read_word,
     .judge = judge,

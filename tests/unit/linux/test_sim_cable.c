@@ -13,7 +13,6 @@
 #include <cmocka.h>
 
 #include "sim_rig.h"
-#include "sim_settings.h"
 
 /* e1, e2, start bit, CDS, data; a busy time adds to them. */
 #define CLOCKS (4u + SIM_RIG_DATA_BITS)

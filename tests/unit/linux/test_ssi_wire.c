@@ -20,7 +20,6 @@
 #include "host_rig.h"
 #include "plan_rig.h"
 #include "sim_master.h"
-#include "sim_settings.h"
 #include "ssi_clocked.h"
 #include "ssi_rig.h"
 #include "station_rig.h"

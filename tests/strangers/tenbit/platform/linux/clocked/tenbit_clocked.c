@@ -79,7 +79,6 @@ static void note(const struct lx_clocked *base, const struct lx_clocked_wire *wi
 static const struct lx_clocked_protocol protocol = {
     .clock = "CLOCK",
     .data = "DATA",
-    .encoders_max = 1,
     .size = sizeof(struct tenbit_line),
     .check = check,
     .rises = rises,
