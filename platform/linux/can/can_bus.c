@@ -304,7 +304,6 @@ static void close_bus(struct lx_bus *bus)
     }
     lx_can_close(self->can);
     lx_timer_close(&self->timer);
-    free(self->node);
     free(self);
 }
 
@@ -318,19 +317,13 @@ static const struct dg_bus_frames_ops frames_door = {.filter = refilter, .retune
 struct lx_bus *lx_can_bus_make(const struct lx_bus_setup *setup, struct dg_engine_wire *to,
                                lx_can_open *open, struct lx_error *error)
 {
-    struct lx_can_bus *self = calloc(1, sizeof *self);
-    struct lx_can_node *node = calloc(setup->count, sizeof *node);
-    if (self == NULL || node == NULL) {
-        (void)lx_fail(error, "no memory for %lu encoders", (unsigned long)setup->count);
-        free(node);
-        free(self);
+    struct lx_can_bus *self =
+        lx_bus_allocate(sizeof *self + setup->count * sizeof self->node[0], &bus_ops, setup, error);
+    if (self == NULL) {
         return NULL;
     }
-    self->bus.ops = &bus_ops;
-    self->bus.setup = *setup;
     self->open = open;
     self->promised = DG_NEVER;
-    self->node = node;
     for (size_t i = 0; i < setup->count; i++) {
         lx_can_node_make(self, i);
     }

@@ -41,7 +41,7 @@ struct lx_can_bus {
     bool stood;      /**< a shaft of an encoder, until now: it may be asleep (world.h) */
     dg_ns promised;  /**< when the encoders want to be called next; while they wait for the wire
                         nobody is: DG_NEVER */
-    struct lx_can_node *node; /**< owned, as many as stations */
+    struct lx_can_node node[]; /**< as many as stations */
 };
 
 /** A bus whose wire `open` opens. @return as lx_bus_make */

@@ -151,12 +151,10 @@ static int understand(struct gpio_bus *self, struct dg_engine_wire *to, struct l
 struct lx_bus *lx_gpio_bus_make(const struct lx_bus_setup *setup, struct dg_engine_wire *to,
                                 struct lx_error *error)
 {
-    struct gpio_bus *self = calloc(1, sizeof *self);
+    struct gpio_bus *self = lx_bus_allocate(sizeof *self, &ops, setup, error);
     if (self == NULL) {
-        (void)lx_fail(error, "no memory for an encoder");
         return NULL;
     }
-    self->bus = (struct lx_bus){.ops = &ops, .setup = *setup};
     if (understand(self, to, error) != 0) {
         free(self);
         return NULL;

@@ -330,12 +330,10 @@ static const struct lx_bus_ops ops = {
 static struct lx_bus *make(const struct lx_bus_setup *setup, struct dg_engine_wire *to, bool driven,
                            struct lx_error *error)
 {
-    struct sim_bus *self = calloc(1, sizeof *self);
+    struct sim_bus *self = lx_bus_allocate(sizeof *self, &ops, setup, error);
     if (self == NULL) {
-        (void)lx_fail(error, "no memory for a wire");
         return NULL;
     }
-    self->bus = (struct lx_bus){.ops = &ops, .setup = *setup};
     self->driven = driven;
     self->line = lx_clocked_make(setup, to, LX_CLOCKED_HERE, error);
     if (self->line == NULL) {

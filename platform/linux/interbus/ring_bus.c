@@ -227,12 +227,10 @@ static struct lx_bus *make(const struct lx_bus_setup *setup, struct dg_engine_wi
         (void)lx_refuse(error, LX_MODBUS_RIGHT, "%s", "");
         return NULL;
     }
-    struct ring_bus *self = calloc(1, sizeof *self);
+    struct ring_bus *self = lx_bus_allocate(sizeof *self, &bus_ops, setup, error);
     if (self == NULL) {
-        (void)lx_fail(error, "no memory for %zu encoders", setup->count);
         return NULL;
     }
-    self->bus = (struct lx_bus){.ops = &bus_ops, .setup = *setup};
     self->driven = driven;
     for (size_t i = 0; i < setup->count; i++) {
         place_encoder(self, setup->stations[i]);

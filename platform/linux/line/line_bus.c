@@ -179,12 +179,11 @@ static void place_encoder(struct lx_line_bus *self, size_t index)
 struct lx_bus *lx_line_bus_make(const struct lx_bus_setup *setup, struct dg_engine_wire *to,
                                 lx_serial_open *open, struct lx_error *error)
 {
-    struct lx_line_bus *self = calloc(1, sizeof *self + setup->count * sizeof self->encoder[0]);
+    struct lx_line_bus *self = lx_bus_allocate(
+        sizeof *self + setup->count * sizeof self->encoder[0], &ops, setup, error);
     if (self == NULL) {
-        (void)lx_fail(error, "no memory for %zu encoders", setup->count);
         return NULL;
     }
-    self->bus = (struct lx_bus){.ops = &ops, .setup = *setup};
     self->open = open;
     self->count = setup->count;
     self->bus.tap.encoders = self->names;

@@ -94,6 +94,11 @@ lx_bus_make lx_line_bus_make_pty, lx_line_bus_make_tty, lx_line_bus_make_net,
     lx_sim_bus_make, lx_gpio_bus_make, lx_silkit_bus_make, lx_can_bus_make_silkit,
     lx_line_bus_make_silkit, lx_sim_bus_make_silkit, lx_ring_bus_make_silkit;
 
+/** For makers: a kind's own structure of `size` bytes, all zero but for its first member, a struct
+ * lx_bus with `ops` and `setup`; the caller's, for free(). @return NULL with `error` */
+void *lx_bus_allocate(size_t size, const struct lx_bus_ops *ops, const struct lx_bus_setup *setup,
+                      struct lx_error *error);
+
 /** Open it. @return 0, or -1 with `error`, which says where in the plan; closed by ops->close() in
  * any case */
 int lx_bus_open(struct lx_bus *self, dg_ns now, struct lx_error *error);
