@@ -24,7 +24,7 @@
 #include "drehgeber/devices.h"
 #include "fuzz_input.h"
 #include "modbus.h"
-#include "ring_rig.h"
+#include "modbus_rig.h"
 
 #define DEVICES 3u
 #define WORDS 5u       /* of either image: 1, 2, 2 */
@@ -50,7 +50,7 @@ struct client {
 
 static struct bench {
     sd_event *event;
-    struct ring_rig rig;
+    struct modbus_rig rig;
     struct lx_ring *ring;
     struct lx_modbus coupler;
     struct sockaddr_in port;
@@ -457,9 +457,9 @@ static void set_up(struct fuzz_input *input)
         open_coupler();
     }
     bench.ring = &bench.rig.ring;
-    ring_rig_plan(&bench.rig, models, DEVICES);
+    modbus_rig_plan(&bench.rig, models, DEVICES);
     bench.now = lx_now();
-    fuzz_must(ring_rig_open(&bench.rig, NULL, NULL, bench.now, &error) == 0);
+    fuzz_must(modbus_rig_open(&bench.rig, NULL, NULL, bench.now, &error) == 0);
     lx_map_init(&bench.coupler.map, bench.ring);
     const uint8_t how = fuzz_take(input);
     bench.coupler.map.tear = (how & 1u) != 0;
@@ -536,7 +536,7 @@ static void tear_down(void)
         turn();
     }
     set_places(false);
-    ring_rig_close(&bench.rig);
+    modbus_rig_close(&bench.rig);
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t n)

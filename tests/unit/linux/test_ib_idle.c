@@ -16,8 +16,8 @@
 
 #include "drehgeber/devices.h"
 #include "effort.h"
+#include "modbus_rig.h"
 #include "modbus_time.h"
-#include "ring_rig.h"
 
 #define START DG_S(1)
 #define DEVICES 3u
@@ -32,7 +32,7 @@ struct shaft {
 
 struct side {
     struct shaft shaft;
-    struct ring_rig rig;
+    struct modbus_rig rig;
     struct lx_ring *ring;
     struct lx_map map;
     uint64_t runs;
@@ -80,9 +80,9 @@ static void open_side(struct side *self)
                                                             &dg_ocd_ib_k2};
     struct lx_error error;
     memset(self, 0, sizeof *self);
-    ring_rig_plan(&self->rig, models, DEVICES);
+    modbus_rig_plan(&self->rig, models, DEVICES);
     self->ring = &self->rig.ring;
-    assert_int_equal(ring_rig_open(&self->rig, angle, &self->shaft, START, &error), 0);
+    assert_int_equal(modbus_rig_open(&self->rig, angle, &self->shaft, START, &error), 0);
     lx_map_init(&self->map, self->ring);
 }
 
@@ -104,8 +104,8 @@ static void open_both(uint32_t seed)
 
 static void close_both(void)
 {
-    ring_rig_close(&eager.rig);
-    ring_rig_close(&lazy.rig);
+    modbus_rig_close(&eager.rig);
+    modbus_rig_close(&lazy.rig);
 }
 
 /* --- time --- */

@@ -13,13 +13,13 @@
 
 #include "drehgeber/devices.h"
 #include "modbus.h"
-#include "ring_rig.h"
+#include "modbus_rig.h"
 
 #define START DG_S(1)
 
 static const struct dg_device *models[3]; /* K1, K3, K2: words 0, 1-2, 3-4 */
 static const char *steps;                 /* of all of them, less one; NULL: as delivered */
-static struct ring_rig rig;
+static struct modbus_rig rig;
 static struct lx_ring *const ring = &rig.ring;
 static struct lx_map map;
 static struct lx_error error;
@@ -28,16 +28,16 @@ static char path[] = "/tmp/test_ib_map.XXXXXX";
 /* All with one file. */
 static int open_ring(const char *nvm, size_t count)
 {
-    ring_rig_plan(&rig, models, count);
+    modbus_rig_plan(&rig, models, count);
     for (size_t i = 0; i < count; i++) {
         rig.plan.encoders[i].nvm = nvm;
-        ring_rig_set(&rig, i, "self_test_ms=0");
+        modbus_rig_set(&rig, i, "self_test_ms=0");
         if (steps != NULL) {
-            ring_rig_set(&rig, i, steps);
-            ring_rig_set(&rig, i, "steps_minus_one=1");
+            modbus_rig_set(&rig, i, steps);
+            modbus_rig_set(&rig, i, "steps_minus_one=1");
         }
     }
-    return ring_rig_open(&rig, NULL, NULL, START, &error);
+    return modbus_rig_open(&rig, NULL, NULL, START, &error);
 }
 
 static int set_up(void **state)
@@ -61,7 +61,7 @@ static int set_up(void **state)
 static int tear_down(void **state)
 {
     (void)state;
-    ring_rig_close(&rig);
+    modbus_rig_close(&rig);
     return 0;
 }
 
@@ -220,7 +220,7 @@ static void the_ring_has_one_file(void **state)
     const uint32_t image = dg_store_size(&dg_ib_layout);
 
     (void)state;
-    ring_rig_close(&rig);
+    modbus_rig_close(&rig);
     assert_int_equal(unlink(path), 0); /* only the name is wanted */
     assert_int_equal(open_ring(path, 3), 0);
     assert_int_equal(ring->store_count, 1);
@@ -231,19 +231,19 @@ static void the_ring_has_one_file(void **state)
     for (int i = 0; i < 4; i++) {
         (void)lx_ring_cycle(ring, START);
     }
-    ring_rig_close(&rig);
+    modbus_rig_close(&rig);
     assert_int_equal(open_ring(path, 3), 0);
     assert_int_equal(lx_ring_device(ring, 1)->shift, 0x55);
-    ring_rig_close(&rig);
+    modbus_rig_close(&rig);
 
     models[0] = models[1]; /* two K3 find one image */
     assert_int_equal(open_ring(path, 2), -1);
     assert_non_null(strstr(lx_error_line(&error).text, path));
-    ring_rig_close(&rig);
+    modbus_rig_close(&rig);
     models[0] = models[2]; /* none finds a use for it */
     assert_int_equal(open_ring(path, 1), -1);
     assert_non_null(strstr(lx_error_line(&error).text, "nvm /"));
-    ring_rig_close(&rig);
+    modbus_rig_close(&rig);
     assert_int_equal(unlink(path), 0);
     steps = "steps=1";
     assert_int_equal(open_ring(NULL, 1), -1);

@@ -19,7 +19,7 @@
 #include "descriptors.h"
 #include "drehgeber/bits.h"
 #include "drehgeber/devices.h"
-#include "ring_rig.h"
+#include "modbus_rig.h"
 
 #define BYTES_MAX 16384u
 
@@ -28,7 +28,7 @@ struct bench {
     char path[64];
     char link[64];
     const char *nvm;
-    struct ring_rig rig; /* a K2 between two K3 */
+    struct modbus_rig rig; /* a K2 between two K3 */
     struct lx_ring *ring;
     struct lx_error error;
     uint8_t bytes[BYTES_MAX]; /* of the file */
@@ -62,11 +62,11 @@ static int tear_down(void **state)
 static int open_ring(struct bench *self)
 {
     static const struct dg_device *const models[] = {&dg_ocd_ib_k3, &dg_ocd_ib_k2, &dg_ocd_ib_k3};
-    ring_rig_plan(&self->rig, models, 3);
+    modbus_rig_plan(&self->rig, models, 3);
     for (size_t i = 0; i < 3; i++) {
         self->rig.plan.encoders[i].nvm = self->nvm;
     }
-    return ring_rig_open(&self->rig, NULL, NULL, 0, &self->error);
+    return modbus_rig_open(&self->rig, NULL, NULL, 0, &self->error);
 }
 
 static size_t read_file(struct bench *self, uint8_t *bytes)
@@ -128,7 +128,7 @@ static void images_are_moved_apart(void **state)
             assert_int_equal(lx_ring_device(self->ring, 2)->shift, 0x22);
             assert_int_equal(
                 lx_ring_device(self->ring, 0)->lost | lx_ring_device(self->ring, 2)->lost, 0);
-            ring_rig_close(&self->rig);
+            modbus_rig_close(&self->rig);
             assert_int_equal(stat(self->path, &info), 0);
             assert_int_equal(info.st_size, 2 * dg_store_size(&dg_ib_layout));
             assert_int_equal(info.st_mode & 07777, 0640);
@@ -145,7 +145,7 @@ static void a_ring_that_is_refused_changes_nothing(void **state)
     write_file(self, n);
     assert_int_equal(open_ring(self), -1);
     assert_non_null(strstr(lx_error_line(&self->error).text, "holds no image of device 2"));
-    ring_rig_close(&self->rig);
+    modbus_rig_close(&self->rig);
     assert_int_equal(read_file(self, after), n);
     assert_memory_equal(after, self->bytes, n);
 }
@@ -167,7 +167,7 @@ static void links_are_followed_and_the_file_stays_locked(void **state)
     assert_true(S_ISLNK(info.st_mode));
     assert_int_equal(lx_nvm_file_open(&other, self->path, &image, &error), -1);
     assert_non_null(strstr(lx_error_line(&error).text, "in use"));
-    ring_rig_close(&self->rig);
+    modbus_rig_close(&self->rig);
     assert_int_equal(lx_nvm_file_open(&other, self->path, &image, &error), 0);
     assert_int_equal(other.length, 2 * dg_store_size(&dg_ib_layout));
     lx_nvm_file_close(&other);
@@ -180,7 +180,7 @@ static void a_ring_says_what_it_answers_without_its_memory(void **state)
     (void)make_file(self, DG_IB_REGION_COUNT);
     assert_int_equal(open_ring(self), 0);
     assert_string_equal(self->ring->stores[0].image.file.answer, "the encoder answers 86000000h");
-    ring_rig_close(&self->rig);
+    modbus_rig_close(&self->rig);
 }
 
 static void is_not_replaced(struct bench *self, struct lx_nvm_file *file, const char *reason)

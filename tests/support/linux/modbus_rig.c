@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "ring_rig.h"
+#include "modbus_rig.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -13,7 +13,7 @@
 #include "station_rig.h"
 
 /* Makers know nothing of who asks. */
-static struct ring_rig *making;
+static struct modbus_rig *making;
 
 static void close_bus(struct lx_bus *bus)
 {
@@ -34,9 +34,9 @@ static struct lx_bus *make_bus(const struct lx_bus_setup *setup, struct dg_engin
     return bus;
 }
 
-void ring_rig_plan(struct ring_rig *self, const struct dg_device *const *models, size_t count)
+void modbus_rig_plan(struct modbus_rig *self, const struct dg_device *const *models, size_t count)
 {
-    *self = (struct ring_rig){.plan = {.file = NULL}};
+    *self = (struct modbus_rig){.plan = {.file = NULL}};
     plan_rig_begin(&self->plan, "ring", dg_plan_find_kind("modbus", 6), NULL);
     for (size_t i = 0; i < count; i++) {
         char name[24];
@@ -45,15 +45,15 @@ void ring_rig_plan(struct ring_rig *self, const struct dg_device *const *models,
     }
 }
 
-void ring_rig_set(struct ring_rig *self, size_t index, const char *assignment)
+void modbus_rig_set(struct modbus_rig *self, size_t index, const char *assignment)
 {
     struct lx_error error;
     assert_int_equal(
         lx_plan_add_assignment(&self->plan.encoders[index].settings, assignment, 0, &error), 0);
 }
 
-int ring_rig_open(struct ring_rig *self, dg_angle (*angle)(void *ctx, dg_ns now), void *ctx,
-                  dg_ns now, struct lx_error *error)
+int modbus_rig_open(struct modbus_rig *self, dg_angle (*angle)(void *ctx, dg_ns now), void *ctx,
+                    dg_ns now, struct lx_error *error)
 {
     struct lx_engine_setup setup = station_setup(&self->plan, NULL, NULL);
     setup.make = make_bus;
@@ -70,7 +70,7 @@ int ring_rig_open(struct ring_rig *self, dg_angle (*angle)(void *ctx, dg_ns now)
     return lx_ring_open(&self->ring, &ring, now, error);
 }
 
-void ring_rig_close(struct ring_rig *self)
+void modbus_rig_close(struct modbus_rig *self)
 {
     lx_ring_close(&self->ring);
     lx_engine_close(&self->engine);
