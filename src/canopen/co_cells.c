@@ -101,7 +101,7 @@ void dg_co_write_words(const struct dg_co_file *self, struct dg_store *store)
         uint8_t right[DG_STORE_CHECKED_MAX];
         uint8_t found[DG_STORE_CHECKED_MAX];
         for (uint32_t i = 0; i < words; i++) {
-            dg_store_le32(&right[4u * i], dg_co_file_word(self, first + i));
+            dg_store_le32(&right[(size_t)4u * i], dg_co_file_word(self, first + i));
         }
         if (dg_store_read(store, region, at, found, n) == DG_OK && memcmp(right, found, n) != 0) {
             (void)dg_store_put(store, region, at, right, n);

@@ -61,7 +61,7 @@ static bool read_head(struct converting *self, struct dg_nvm nvm)
         return false;
     }
     for (uint32_t n = 0; n < EDS_WORD_CELLS; n++) {
-        from->head[n] = dg_load_le32(&bytes[4u * n]);
+        from->head[n] = dg_load_le32(&bytes[(size_t)4u * n]);
     }
     from->kept = (uint16_t)from->head[EDS_WORD_KEPT];
     return from->head[EDS_WORD_TAG] == dg_co_file_word(self->file, EDS_WORD_TAG) &&

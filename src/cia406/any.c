@@ -230,9 +230,10 @@ enum { DG_CO_SHORT_FLAGS };
 /* What is set of cams and work areas is a cell of the file, in a channel each. */
 #define CHANNEL(index, type, initial) OBJECT(index, 1, CHANNELS - 1u, type, R | W, 0, initial, NULL)
 #define EIGHT_CAMS(index, type)                                                                    \
-    CHANNEL(index, type, 0), CHANNEL(index + 1, type, 0), CHANNEL(index + 2, type, 0),             \
-        CHANNEL(index + 3, type, 0), CHANNEL(index + 4, type, 0), CHANNEL(index + 5, type, 0),     \
-        CHANNEL(index + 6, type, 0), CHANNEL(index + 7, type, 0)
+    CHANNEL(index, type, 0), CHANNEL((index) + 1, type, 0), CHANNEL((index) + 2, type, 0),         \
+        CHANNEL((index) + 3, type, 0), CHANNEL((index) + 4, type, 0),                              \
+        CHANNEL((index) + 5, type, 0), CHANNEL((index) + 6, type, 0),                              \
+        CHANNEL((index) + 7, type, 0)
 
 /* Rows that nobody may read or write are for values that something counts on. */
 /* clang-format off */

@@ -44,23 +44,33 @@ struct explaining {
     size_t line_count;
 };
 
+/* At most so many digits. @return what stands behind them */
+static const char *read_hex(const char *at, size_t most, uint32_t *value)
+{
+    char digits[5] = "";
+    const size_t n = strspn(at, "0123456789abcdefABCDEF");
+    memcpy(digits, at, n < most ? n : most);
+    *value = (uint32_t)strtoul(digits, NULL, 16);
+    return at + strlen(digits);
+}
+
 /* "1018sub1" @return DG_CO_KEY(), or 0 */
 static uint32_t key_of(const char *section)
 {
-    unsigned index = 0;
-    unsigned sub = 0;
-    int end = 0;
-    if (sscanf(section, "%4x%n", &index, &end) != 1 || end != 4) {
+    uint32_t index = 0;
+    uint32_t sub = 0;
+    const char *rest = read_hex(section, 4, &index);
+    if (rest != section + 4) {
         return 0;
     }
-    const char *rest = section + end;
     if (*rest == '\0') {
         return DG_CO_KEY(index, 0);
     }
-    return strncasecmp(rest, "sub", 3) == 0 && sscanf(rest + 3, "%2x%n", &sub, &end) == 1 &&
-                   rest[3 + end] == '\0'
-               ? DG_CO_KEY(index, sub)
-               : 0;
+    if (strncasecmp(rest, "sub", 3) != 0) {
+        return 0;
+    }
+    const char *end = read_hex(rest + 3, 2, &sub);
+    return end > rest + 3 && *end == '\0' ? DG_CO_KEY(index, sub) : 0;
 }
 
 /* ---------------------------------------------------------------- names */

@@ -7,8 +7,6 @@
 #include "models.h"
 #include "options.h"
 
-#include <string.h>
-
 /* @return whether the file is there; its error is kept otherwise */
 static bool read_file(struct options *self, const char *path)
 {

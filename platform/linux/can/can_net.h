@@ -53,7 +53,7 @@ struct lx_can_net {
 /** Of a kind with such a bus, which names its dialect, too. Its struct is struct lx_can_net. */
 extern const struct lx_can_ops lx_can_net_ops;
 /** As lx_can_kind.start(). */
-int lx_can_net_start(struct lx_can *self, struct lx_error *error);
+int lx_can_net_start(struct lx_can *can, struct lx_error *error);
 
 /** Whether `where` is an address of the dialect. @return 0, or -1 with `error` */
 int lx_can_net_check(const struct lx_can_dialect *dialect, const char *where,
