@@ -179,8 +179,8 @@ static void place_encoder(struct lx_line_bus *self, size_t index)
 struct lx_bus *lx_line_bus_make(const struct lx_bus_setup *setup, struct dg_engine_wire *to,
                                 lx_serial_open *open, struct lx_error *error)
 {
-    struct lx_line_bus *self = lx_bus_allocate(
-        sizeof *self + setup->count * sizeof self->encoder[0], &ops, setup, error);
+    struct lx_line_bus *self =
+        lx_bus_allocate(sizeof *self + setup->count * sizeof self->encoder[0], &ops, setup, error);
     if (self == NULL) {
         return NULL;
     }
