@@ -21,7 +21,7 @@ static size_t wake_count;
 static int outputs;
 static uint64_t answered;
 
-static void look(int64_t at, int inputs)
+static void look_at_line(int64_t at, int inputs)
 {
     while (wake_count > 0 && wakes[wake_count - 1u] <= at) {
         wake_count--;
@@ -38,7 +38,7 @@ static void pass_time(int64_t ps, int inputs)
     const int64_t until = now_ps + ps;
 
     while (wake_count > 0 && wakes[wake_count - 1u] < until) {
-        look(wakes[wake_count - 1u], inputs);
+        look_at_line(wakes[wake_count - 1u], inputs);
     }
     now_ps = until;
 }
@@ -50,9 +50,9 @@ static void read_frame(const void *what)
 
     (void)what;
     for (unsigned clock = 0; clock < CLOCKS; clock++) {
-        look(now_ps, 0);
+        look_at_line(now_ps, 0);
         pass_time(HALF_CLOCK_PS, 0);
-        look(now_ps, DG_HDL_CLOCK);
+        look_at_line(now_ps, DG_HDL_CLOCK);
         pass_time(HALF_CLOCK_PS, DG_HDL_CLOCK);
         bits = bits << 1 | ((outputs & DG_HDL_DATA) != 0 ? 1u : 0u);
     }
@@ -62,10 +62,10 @@ static void read_frame(const void *what)
 
 static const struct bench benches[] = {{"hdl.edge", read_frame, NULL, 1, EDGES}};
 
-static bool start(void)
+static bool start_encoder(void)
 {
     encoder = dg_hdl_open("s3684-biss", "mt=12 st=20 lc=0 busy_us=0", "3000RPM", "");
-    look(0, DG_HDL_CLOCK);
+    look_at_line(0, DG_HDL_CLOCK);
     pass_time(PAUSE_PS, DG_HDL_CLOCK);
     return dg_hdl_error(encoder)[0] == '\0';
 }
@@ -78,7 +78,7 @@ static uint64_t answers(void)
 int main(int argc, char **argv)
 {
     static const struct bench_set set = {
-        .benches = benches, .count = DG_COUNT(benches), .start = start, .answers = answers};
+        .benches = benches, .count = DG_COUNT(benches), .start = start_encoder, .answers = answers};
 
     return bench_main(argc, argv, &set);
 }

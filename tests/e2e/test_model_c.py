@@ -122,7 +122,7 @@ static const char *difference(const struct dg_device *read, const struct dg_devi
     return frame_of(read) == frame_of(c) ? "same" : "frame";
 }
 
-static void tell(const struct dg_device *read)
+static void tell_figures(const struct dg_device *read)
 {
     for (size_t i = 0; i < sizeof made / sizeof *made; i++) {
         if (strcmp(made[i]->name, read->name) == 0) {
@@ -136,7 +136,7 @@ int main(int argc, char **argv)
     static _Alignas(16) unsigned char plans[262144];
     static char text[65536];
     for (size_t i = 0; i < dg_device_count; i++) {
-        tell(dg_devices[i]);
+        tell_figures(dg_devices[i]);
     }
     for (int i = 1; i < argc; i++) {
         struct dg_plan plan;
@@ -150,7 +150,7 @@ int main(int argc, char **argv)
             return 2;
         }
         for (size_t j = 0; j < plan.model_count; j++) {
-            tell(plan.models[j].device);
+            tell_figures(plan.models[j].device);
         }
     }
     return 0;

@@ -30,7 +30,7 @@ static size_t add_object(char *to, size_t n, unsigned index, unsigned type, cons
     return n;
 }
 
-static void start(void)
+static void start_encoder(void)
 {
     char text[TEXT_MAX] = "[1000]\nDataType=7\nAccessType=ro\nDefaultValue=0x00020196\n"
                           "[1010sub1]\nDataType=7\nAccessType=rw\nDefaultValue=1\n"
@@ -77,7 +77,7 @@ static uint8_t cams_at(uint8_t channel, int64_t step)
 static void on_between_its_limits(void **state)
 {
     (void)state;
-    start();
+    start_encoder();
     set_cam(1, 0, 100, 200, 0);
     set_cam(1, 7, 4000, 8000, 0);
     assert_int_equal(cams_at(1, 150), 0);
@@ -94,7 +94,7 @@ static void on_between_its_limits(void **state)
 static void turned_round(void **state)
 {
     (void)state;
-    start();
+    start_encoder();
     set_cam(1, 1, 100, 200, 0);
     set_bits(0x6301, 1, 2);
     set_bits(0x6302, 1, 0x82);
@@ -105,7 +105,7 @@ static void turned_round(void **state)
 static void over_zero(void **state)
 {
     (void)state;
-    start();
+    start_encoder();
     set_cam(2, 3, 35990, 10, 0);
     set_bits(0x6301, 2, 8);
     assert_int_equal(cams_at(2, -11), 0);
@@ -119,7 +119,7 @@ static void over_zero(void **state)
 static void hysteresis(void **state)
 {
     (void)state;
-    start();
+    start_encoder();
     set_cam(1, 0, 100, 200, 20);
     set_cam(2, 0, 5, 35995, 65535);
     set_bits(0x6301, 1, 1);
@@ -143,7 +143,7 @@ static void hysteresis(void **state)
 static void cams_are_saved(void **state)
 {
     (void)state;
-    start();
+    start_encoder();
     set_cam(1, 2, 7, 9, 1);
     set_bits(0x6301, 1, 4);
     assert_int_equal(eds_client_download(&rig, 0x1010, 1, EDS_CLIENT_SAVE, 4), 0);
@@ -157,7 +157,7 @@ static void what_cams_are(void **state)
 {
     const struct dg_co_dictionary *dictionary = &rig.file.file.device.dictionary;
     (void)state;
-    start();
+    start_encoder();
     assert_int_equal(rig.file.file.plain, 2); /* 6501h, 6502h */
     for (uint16_t i = 0; i < dictionary->count; i++) {
         if (dictionary->rows[i].key >> 16 >= 0x6300 && dictionary->rows[i].key >> 16 < 0x6340) {

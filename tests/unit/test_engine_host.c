@@ -24,7 +24,7 @@ static struct engine_rig rig;
 static struct dg_tap_event heard; /* the latest one */
 static size_t heard_count;
 
-static void hear(void *ctx, size_t place, const struct dg_tap_event *event)
+static void hear_line(void *ctx, size_t place, const struct dg_tap_event *event)
 {
     (void)ctx;
     (void)place;
@@ -35,7 +35,7 @@ static void hear(void *ctx, size_t place, const struct dg_tap_event *event)
 static int open_door(void *ctx, size_t index, struct dg_engine_wire *to,
                      struct dg_plan_error *error)
 {
-    static const struct dg_bus_ops door = {.tx = hear};
+    static const struct dg_bus_ops door = {.tx = hear_line};
 
     (void)ctx;
     (void)index;

@@ -17,7 +17,7 @@ static struct host_rig_place panel_place;
 static struct dg_host *host;
 static struct dg_host_panel *board;
 
-static void start(const char *model)
+static void start_encoder(const char *model)
 {
     host = host_rig_start(&host_rig_here, model);
     board = dg_host_panel_make(&panel_place, sizeof panel_place, host);
@@ -69,7 +69,7 @@ static void a_request_in_pieces_is_one_request(void **state)
     static const uint64_t characters[] = {0, CHARACTER};
     (void)state;
     for (size_t i = 0; i < 2; i++) {
-        start("s3684-rs485");
+        start_encoder("s3684-rs485");
         assert_int_equal(ask_in_pieces(2 * SECOND, characters[i]), 1);
         say(3 * SECOND, "FAUL:SET wire_deaf,COUN 1");
         assert_int_equal(ask_in_pieces(4 * SECOND, characters[i]), 0);
@@ -85,7 +85,7 @@ static void a_power_cycle_ends_a_request_that_was_not_heard(void **state)
     const struct dg_host_event first = {
         .at = 3 * SECOND, .kind = DG_HOST_BYTES, .length = 1, .data = {0x40}};
     (void)state;
-    start("s3684-rs485");
+    start_encoder("s3684-rs485");
     say(3 * SECOND, "FAUL:SET wire_deaf,COUN 1");
     assert_int_equal(dg_host_send(host, &first), DG_HOST_OK);
     (void)dg_host_step(host, first.at);
@@ -113,7 +113,7 @@ static unsigned run_cycle(uint64_t at)
 static void a_fault_waits_for_a_cycle_that_there_is(void **state)
 {
     (void)state;
-    start("ocd-ib-k2");
+    start_encoder("ocd-ib-k2");
     const unsigned healthy = run_cycle(2 * SECOND);
     assert_int_equal(healthy, 1);
     say(3 * SECOND, "POW OFF;:FAUL:SET wire_drop,COUN 1");

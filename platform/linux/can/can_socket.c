@@ -474,7 +474,7 @@ static int explain(int reason, const char *where, struct lx_error *error)
     }
 }
 
-static int start(struct lx_can *can, struct lx_error *error)
+static int start_socket(struct lx_can *can, struct lx_error *error)
 {
     struct can_socket *self = socket_of(can);
     const char *where = can->setup.where;
@@ -490,7 +490,7 @@ static int start(struct lx_can *can, struct lx_error *error)
     return result < 0 ? explain(-result, where, error) : 0;
 }
 
-static const struct lx_can_kind kind = {sizeof(struct can_socket), &socket_ops, start, NULL};
+static const struct lx_can_kind kind = {sizeof(struct can_socket), &socket_ops, start_socket, NULL};
 
 struct lx_can *lx_can_socket_open(const struct lx_can_setup *setup, struct lx_error *error)
 {

@@ -137,7 +137,7 @@ static const struct lx_can_ops silkit_ops = {
     .close = close_silkit,
 };
 
-static int start(struct lx_can *can, struct lx_error *error)
+static int start_controller(struct lx_can *can, struct lx_error *error)
 {
     struct silkit_can *self = silkit_of(can);
     const struct lx_can_setup *setup = &can->setup;
@@ -151,7 +151,8 @@ static int start(struct lx_can *can, struct lx_error *error)
     return lx_silkit_open_can(setup->silkit, &self->port, self->where.network, error);
 }
 
-static const struct lx_can_kind kind = {sizeof(struct silkit_can), &silkit_ops, start, NULL};
+static const struct lx_can_kind kind = {sizeof(struct silkit_can), &silkit_ops, start_controller,
+                                        NULL};
 
 struct lx_can *lx_silkit_can_open(const struct lx_can_setup *setup, struct lx_error *error)
 {

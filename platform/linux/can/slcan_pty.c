@@ -266,7 +266,7 @@ static const struct lx_can_ops slcan_ops = {
     .close = close_slcan,
 };
 
-static int start(struct lx_can *can, struct lx_error *error)
+static int start_pty(struct lx_can *can, struct lx_error *error)
 {
     struct slcan_pty *self = pty_of(can);
     const struct lx_serial_setup line = {
@@ -291,7 +291,7 @@ static int start(struct lx_can *can, struct lx_error *error)
                       : 0;
 }
 
-static const struct lx_can_kind kind = {sizeof(struct slcan_pty), &slcan_ops, start, NULL};
+static const struct lx_can_kind kind = {sizeof(struct slcan_pty), &slcan_ops, start_pty, NULL};
 
 struct lx_can *lx_slcan_pty_open(const struct lx_can_setup *setup, struct lx_error *error)
 {

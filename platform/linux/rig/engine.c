@@ -12,7 +12,7 @@
 /* --- what is refused --- */
 
 /* About its wire, if nobody has said something nearer. Always -1. */
-static int tell(struct lx_engine *self)
+static int refuse_wire(struct lx_engine *self)
 {
     if (self->making != NULL) {
         (void)lx_plan_refuse_wire(self->setup.bus.plan, self->making, self->error);
@@ -32,7 +32,7 @@ static int take_error(struct lx_engine *self, const struct dg_plan_error *wrong)
         wrong->valued == DG_PLAN_UNVALUED) {
         self->error->where.about = LX_ABOUT_SETTING;
     }
-    return tell(self);
+    return refuse_wire(self);
 }
 
 /* --- what the library asks --- */
@@ -80,13 +80,13 @@ static int make_wire(void *ctx, size_t index, struct dg_engine_wire *to,
     }
     self->making = to->plan;
     if (self->setup.wire != NULL && self->setup.wire(self->setup.ctx, index, self->error) != 0) {
-        return tell(self);
+        return refuse_wire(self);
     }
     wire->bus = make_bus(self, index, to);
     for (size_t i = 0; wire->bus != NULL && i < to->plan->encoder_count; i++) {
         wire->stations[i]->bus = wire->bus;
     }
-    return wire->bus != NULL ? 0 : tell(self);
+    return wire->bus != NULL ? 0 : refuse_wire(self);
 }
 
 static void *give_rows(void *ctx, size_t index, void *settings, struct dg_keys *rows)
@@ -133,7 +133,7 @@ static int check_encoder(void *ctx, size_t index, const void *settings,
                    check_memory(self, station, self->error) == 0 &&
                    (ops->check == NULL || ops->check(station->bus, station, self->error) == 0)
                ? 0
-               : tell(self);
+               : refuse_wire(self);
 }
 
 static int find_motion(void *ctx, size_t index, const char *path, struct dg_motion *to,
@@ -141,7 +141,9 @@ static int find_motion(void *ctx, size_t index, const char *path, struct dg_moti
 {
     struct lx_engine *self = ctx;
     (void)ignored;
-    return self->setup.motion(self->setup.ctx, index, path, to, self->error) == 0 ? 0 : tell(self);
+    return self->setup.motion(self->setup.ctx, index, path, to, self->error) == 0
+               ? 0
+               : refuse_wire(self);
 }
 
 static struct dg_rig_course *find_course(void *ctx, size_t index,
@@ -152,7 +154,7 @@ static struct dg_rig_course *find_course(void *ctx, size_t index,
     struct dg_rig_course *course = self->setup.course(self->setup.ctx, index, setting, self->error);
     (void)ignored;
     if (course == NULL) {
-        (void)tell(self);
+        (void)refuse_wire(self);
     }
     return course;
 }
