@@ -30,7 +30,6 @@ ALLOWED = {
     "instruments": {"core", "control", "devices"},
     "host":        {"core", "motion", "devices", "control", "instruments"},
     "bus":         {"core", "devices", "control", "host"},
-    "rig":         {"core", "motion", "devices", "host", "bus"},
     "rig":         {"core", "motion", "devices", "host", "bus", "scpi", "control"},
     "words":       {"core", "devices"},
 }
