@@ -181,7 +181,7 @@ def compare(rows, texts, files, folder):
         (folder / f"{row['model']}.c").write_text(text)
     (folder / "main.c").write_text(MAIN % {"names": ", ".join(symbols), "addresses": ", ".join(f"&{name}" for name in symbols)})
     sources = [folder / f"{row['model']}.c" for row in rows]
-    strict = ["-std=c11", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror"]
+    strict = ["-std=c11", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror", *os.environ.get("CFLAGS", "").split()]
     subprocess.run(["gcc", *strict, f"-I{REPOSITORY}/include", "-o", folder / "compare", folder / "main.c", *sources,
                     LIBRARY, f"-Wl,-rpath,{LIBRARY.parent}"], check=True)
     ended = subprocess.run([folder / "compare", *files], capture_output=True, text=True, check=True)
