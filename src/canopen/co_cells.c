@@ -98,7 +98,7 @@ void dg_co_write_words(const struct dg_co_file *self, struct dg_store *store)
         const uint32_t words = left < EDS_CELLS_A_REGION ? left : EDS_CELLS_A_REGION;
         const uint16_t at = (uint16_t)(4u * first);
         const uint16_t n = (uint16_t)(4u * words);
-        uint8_t right[DG_STORE_CHECKED_MAX];
+        uint8_t right[DG_STORE_CHECKED_MAX] = {0};
         uint8_t found[DG_STORE_CHECKED_MAX];
         for (uint32_t i = 0; i < words; i++) {
             dg_store_le32(&right[(size_t)4u * i], dg_co_file_word(self, first + i));

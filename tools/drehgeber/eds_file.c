@@ -37,8 +37,10 @@ static void keep_note(void *ctx, const struct dg_eds_note *note)
     if (self->kept && self->note_count == self->note_room) {
         const size_t room = self->note_room == 0 ? 16u : 2u * self->note_room;
         struct dg_eds_note *notes = reallocarray(self->notes, room, sizeof *notes);
-        self->notes = notes == NULL ? self->notes : notes;
-        self->note_room = notes == NULL ? self->note_room : room;
+        if (notes != NULL) {
+            self->notes = notes;
+            self->note_room = room;
+        }
     }
     if (self->note_count < self->note_room) {
         self->notes[self->note_count++] = *note;
