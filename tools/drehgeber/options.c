@@ -511,11 +511,12 @@ static struct lx_words right_wires(const struct lx_stack *stack)
     return right;
 }
 
-/* A kernel that has CAN also has an interface that the user wants it on; there is no guessing. */
-static bool must_be_said(const struct lx_stack *stack)
+/* A kernel that has CAN also has an interface that the user wants it on; there is no guessing.
+   An FMU has no wire. */
+static bool must_be_said(const struct options *self, const struct lx_stack *stack)
 {
     const struct dg_plan_wire_kind *can = dg_plan_find_kind("can", strlen("can"));
-    return dg_plan_carries(can, stack->core) && lx_can_in_kernel();
+    return self->command != COMMAND_FMU && dg_plan_carries(can, stack->core) && lx_can_in_kernel();
 }
 
 const struct dg_plan_wire_kind *options_wire(const struct options *self,
@@ -530,7 +531,7 @@ const struct dg_plan_wire_kind *options_wire(const struct options *self,
                         device->name);
         return NULL;
     }
-    if (must_be_said(stack)) {
+    if (must_be_said(self, stack)) {
         (void)lx_refuse(error, right_wires(stack).text, "%s needs a wire", device->name);
         return NULL;
     }

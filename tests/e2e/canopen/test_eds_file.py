@@ -270,6 +270,8 @@ def test_commands_that_take_a_model(tmp_path, vendor):
         said = run("fmu", path, "--output", tmp_path / "x.fmu")
         assert (said.returncode, said.stderr) == (
             2, f"drehgeber: {name} is the model of a file, which an FMU does not have; a built-in model is right\n")
+    # Also where the kernel has CAN, and `run` wants to know the interface.
+    assert "wire" not in run("fmu", "f3668", "--output", tmp_path / "x.fmu").stderr
 
 
 @pytest.mark.parametrize("text, what", [
