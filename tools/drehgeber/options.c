@@ -512,7 +512,7 @@ static struct lx_words right_wires(const struct lx_stack *stack)
 }
 
 /* A kernel that has CAN also has an interface that the user wants it on; there is no guessing.
-   An FMU has no wire. */
+   An encoder in an FMU is on no wire, and fmu takes no option that names one. */
 static bool must_be_said(const struct options *self, const struct lx_stack *stack)
 {
     const struct dg_plan_wire_kind *can = dg_plan_find_kind("can", strlen("can"));
