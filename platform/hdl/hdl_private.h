@@ -3,8 +3,9 @@
  * @file
  * An encoder in a simulator from inside:
  *
- *   inputs --delay, jitter--> | in | --> dg_host --> | out | --clock to output, delay, jitter-->
- * outputs
+ *   inputs  ----------- delay, jitter ----------> | in | ---\
+ *                                                            dg_host
+ *   outputs <-- delay, jitter, clock to output -- | out | <-/
  */
 #ifndef DREHGEBER_HDL_PRIVATE_H
 #define DREHGEBER_HDL_PRIVATE_H

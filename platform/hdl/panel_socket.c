@@ -4,7 +4,8 @@
  * blocks. The panel has one session, which is the test bench's own, too: one client at a time has
  * it, the next one waits, and finds it empty.
  *
- *   accept --> *CLS --> line, answer, line, answer ... --> end of the stream, all is answered -->
+ *   accept --> *CLS --> line, answer, line, answer ... --> end of the stream, all is answered --\
+ *      ^-----------------------------------------------------------------------------------------/
  */
 #define _GNU_SOURCE
 #include <errno.h>

@@ -2,10 +2,14 @@
 /*
  * RS485 bit by bit, with the data rate and parity that the encoder has at the moment:
  *
- *   RX  ¯¯|_|D0|D1| ... |D7|P|¯¯    levels are taken in the middle of each bit; a start bit that is
- *         0 1  2         8  9 10    high there was none. The character is told at its end, or at
- * the edge of the next start bit if that comes before. TX  ¯¯|_|D0| ...    |P|¯|_|... DE
- * __|¯¯¯¯¯¯¯¯¯¯¯¯¯¯¯¯¯¯¯¯¯..|__  from the first start bit to the end of the last stop bit
+ *   RX  ¯¯|_|D0|D1| ... |D7|P|¯¯
+ *          0 1  2        8  9 10
+ *   TX  ¯¯|_|D0|D1| ... |D7|P|¯|_|D0| ... |P|¯¯
+ *   DE  __|¯¯¯¯¯¯¯¯¯¯¯¯¯¯¯¯¯¯¯¯¯¯¯¯¯¯¯¯¯¯¯¯¯¯¯|__
+ *
+ * RX is sampled in the middle of each bit. If a start bit is high there, it was none. The character
+ * is reported at the end of its stop bit, or at the edge of the next start bit if that comes first.
+ * DE is high from the first start bit to the end of the last stop bit.
  *
  * A character whose parity is wrong, or whose stop bit is low, is told as damaged. After a low stop
  * bit the line has to be high before there is another start bit.

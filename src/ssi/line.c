@@ -2,12 +2,13 @@
 /*
  * The line: edges, and the monoflop that tells where a word ends.
  *
- *   edge     f1        r1        r2 ...       rn         rn+1       rn+2        tm behind the last
- * f IDLE ----> SHIFT ---> SHIFT ---> SHIFT ---> SHIFT ------> SHIFT ---> SHIFT ... ---> IDLE left
- * n         n-1       n-2           0           n          n-1 data  1    1        MSB         ...
- * LSB          0          MSB               1
+ *   edge        f1      r1      r2            rn      rn+1    rn+2          tm after the last f
+ *   state  IDLE | SHIFT | SHIFT | SHIFT | ... | SHIFT | SHIFT | SHIFT | ... | IDLE
+ *   left        | n     | n-1   | n-2   | ... | 0     | n     | n-1   | ... |
+ *   data   1    | 1     | MSB   | next  | ... | LSB   | 0     | MSB   | ... | 1
  *
- * With dg_ssi_model.once `left` stays 0 from rn on, and so does data.
+ * With dg_ssi_model.once the word is not repeated: `left` stays 0 from rn on, and data is 0 from
+ * rn+1 on.
  */
 #include "ssi_private.h"
 

@@ -4,10 +4,10 @@
  * A BiSS C master in virtual time, written from the protocol description alone: own frame logic,
  * own check sums. It drives MA, samples SL, and shares no code with the slaves it talks to.
  *
- *        e1     e2     e3     e4                    last bit     timeout
- * MA ‾\_/‾\_/‾\_/‾\_/‾ ... ‾\_/‾\_/‾‾‾‾ CDM = 0 ‾‾‾‾
- *                                                     \____ CDM = 1 ____/‾
- * SL ‾‾‾‾‾‾‾\_Ack__/Start\CDS.data ........ CRC\__________________/‾‾‾
+ *         e1  e2  e3      eS  eS+1            last        timeout
+ *   MA ‾\_/‾\_/‾\_/‾\_/‾\_/‾\_/‾\_/‾ ... ‾\_/‾\_/‾‾‾‾‾‾‾‾‾‾‾‾   CDM = 0
+ *                                                \________/‾‾   CDM = 1
+ *   SL ‾‾‾‾‾‾‾\_Ack_______/ S  |CDS|D .. D|C .... C\________/‾‾
  *
  * A bit is what SL shows at the end of its clock, just before the next rising edge.
  */
