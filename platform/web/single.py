@@ -9,16 +9,17 @@ import sys
 from pathlib import Path
 
 # Each uses those before it only.
-MODULES = ("parts", "engine", "rig", "biss", "figures", "masters", "view", "page", "main")
+MODULES = ("parts", "engine", "rig", "biss", "figures", "masters", "view", "page", "link", "main")
 IMPORT = re.compile(r'^import \{[^}]*\} from "\./\w+\.js";\n', re.MULTILINE)
 COMMENT = re.compile(r"^ *//.*\n", re.MULTILINE)  # the module's own files have them, and are beside the page
+INDENT = re.compile(r"^ +", re.MULTILINE)  # no text of a module is longer than a line
 EXPORT = re.compile(r"^export (?=const|class|function|async)", re.MULTILINE)
 
 
 def script(folder: Path) -> str:
     """The modules as one, in which a name of the top level means one thing."""
     texts = [(folder / f"{name}.js").read_text(encoding="utf-8") for name in MODULES]
-    return "".join(COMMENT.sub("", EXPORT.sub("", IMPORT.sub("", text))) for text in texts)
+    return "".join(INDENT.sub("", COMMENT.sub("", EXPORT.sub("", IMPORT.sub("", text)))) for text in texts)
 
 
 def replaced(page: str, what: str, by: str) -> str:
@@ -33,7 +34,7 @@ def main() -> None:
     folder = Path(sys.argv[1])
     code = base64.b64encode((folder / "drehgeber.wasm").read_bytes()).decode()
     page = (folder / "index.html").read_text(encoding="utf-8")
-    style = (folder / "style.css").read_text(encoding="utf-8")
+    style = INDENT.sub("", (folder / "style.css").read_text(encoding="utf-8"))
     page = replaced(page, '<link rel="stylesheet" href="style.css">', f"<style>\n{style}</style>")
     inside = f'<script type="text/plain" id="module">{code}</script>\n<script type="module">\n{script(folder)}</script>'
     page = replaced(page, '<script type="module" src="main.js"></script>', inside)

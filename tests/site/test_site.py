@@ -2,6 +2,7 @@
 """The site as it is built for readers: no warning, no dead link, nothing from elsewhere, what pages say."""
 import base64
 import html
+import json
 import os
 import posixpath
 import re
@@ -20,6 +21,7 @@ sys.path.append(str(TREE / "tests/gates"))
 from sources import files  # noqa: E402
 
 LEFT_OUT = (".github/", ".gitlab/")
+SOURCES = "https://forge.invalid/drehgeber"
 PAGES = [page for page in files(str(TREE), suffixes=(".md",)) if not page.startswith(LEFT_OUT)]
 
 
@@ -73,7 +75,8 @@ def site(tmp_path_factory) -> Path:
     folder = tmp_path_factory.mktemp("site")
     done = subprocess.run([TREE / "tools/site/build", os.environ["DREHGEBER"], folder], text=True,
                           stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=180,
-                          env=os.environ | {"DREHGEBER_SITE_ENV": sys.prefix}, check=False)
+                          env=os.environ | {"DREHGEBER_SITE_ENV": sys.prefix, "DREHGEBER_REPOSITORY": SOURCES,
+                                            "DREHGEBER_SITE_VERSIONS": "1"}, check=False)
     assert (done.returncode, done.stdout) == (0, "")
     return folder
 
@@ -138,6 +141,38 @@ def test_playground_is_in_the_menu(site, pages):
     assert "../../playground/index.html" in pages["platform/web/index.html"].links
     assert (site / "playground/drehgeber.wasm").stat().st_size > 100_000
     assert not list((site / "playground").glob("screenshot*"))
+
+
+def test_every_page_has_logo_sources_and_versions(site, pages):
+    menu = [name for name, page in pages.items() if not name.startswith("playground/")]
+    for name in menu:
+        root = "/" if name == "404.html" else posixpath.relpath(".", posixpath.dirname(name) or ".") + "/"
+        assert posixpath.normpath(root + "logo.svg") in map(posixpath.normpath, pages[name].loaded), name
+        assert SOURCES in pages[name].links, name
+        assert '"version": {"provider": "mike"}' in (site / name).read_text(encoding="utf-8"), name
+
+
+def test_the_first_page_shows_the_playground(pages):
+    assert "playground/drehgeber.html" in pages["index.html"].loaded
+    assert "playground/index.html" in pages["index.html"].links
+
+
+def versions(folder):
+    return subprocess.run([TREE / "tools/site/versions", folder], text=True, capture_output=True, timeout=60, check=False)
+
+
+def test_sites_of_several_versions(tmp_path):
+    """Newest first by number, not by letters; what is no version is left out."""
+    for name in ("0.3.0", "1.0.0", "0.10.0", "draft"):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "index.html").write_text("")
+    (tmp_path / "2.0.0").mkdir()
+    assert (versions(tmp_path).returncode, versions(tmp_path).stdout) == (0, "1.0.0 0.10.0 0.3.0\n")
+    rows = json.loads((tmp_path / "versions.json").read_text())
+    assert [(row["version"], row["aliases"]) for row in rows] == [("1.0.0", ["latest"]), ("0.10.0", []), ("0.3.0", [])]
+    assert 'href="1.0.0/index.html"' in (tmp_path / "index.html").read_text()
+    refused = versions(tmp_path / "draft")
+    assert (refused.returncode, "expected 1.0.0/index.html" in refused.stderr) == (1, True)
 
 
 @pytest.mark.parametrize("picture", ["docs/biss.svg", "docs/drehgeber.svg"])

@@ -192,6 +192,12 @@ def _playground() -> str:
     return "**[Open it](../../playground/index.html)**, or take [the one file](../../playground/drehgeber.html)."
 
 
+def _try() -> str:
+    """The playground in the first page, and where it is alone."""
+    return ('<div class="try"><iframe src="playground/drehgeber.html" title="Playground: four encoders on one shaft"></iframe></div>\n\n'
+            "**[Open the playground in its own page](playground/index.html)**, with everything that an encoder has.")
+
+
 def _results(tree: str) -> dict:
     """Output of each test of a tree as tools/check has run it; none when it has not."""
     try:
@@ -295,7 +301,7 @@ def _tests(*beginnings: str) -> str:
 MAKERS = {
     "biss-access": _biss_access, "gtkwave": _gtkwave, "wireshark": _wireshark, "faults": _faults, "trees": _trees,
     "conformance": _conformance, "fuzzing": _fuzzing, "mutation": _mutation, "power": _power, "headers": _headers,
-    "sizes": _sizes, "tests": _tests, "playground": _playground,
+    "sizes": _sizes, "tests": _tests, "playground": _playground, "try": _try,
 }
 
 

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
-// The playground: the page with encoders that are calculated here, and time. `#still` in the address leaves the clock
-// standing, and nothing is asked by itself; `drehgeber.rig` is there for who wants more than the page has.
+// The playground: the page with encoders that are calculated here, and time. The address has a state, see link.js. With
+// `still` the clock stands, and the masters ask nothing by themselves; the console of the browser has `drehgeber.rig`.
 import { Engine } from "./engine.js";
+import { readLink, writeLink } from "./link.js";
 import { ENCODERS } from "./masters.js";
-import { $, Page, degrees } from "./page.js";
+import { $, Page, angleOf, degrees } from "./page.js";
 import { Rig } from "./rig.js";
 import { Panel } from "./view.js";
 
@@ -48,7 +49,10 @@ const storage = {
 class Playground extends Page {
   constructor(engine, images) {
     super(new Rig(engine, MODELS, images, (frame) => this.panelOf(frame.encoder)?.say(frame)));
-    this.runs = location.hash !== "#still";
+    this.link = {};
+    this.guard(() => { this.link = readLink(location.hash); });
+    this.runs = !this.link.still;
+    document.body.classList.toggle("small", self !== top); // a part of another page
     this.tabs(this.rig.encoders.map((encoder) => this.panel(encoder)));
     this.time();
     this.tries();
@@ -64,6 +68,7 @@ class Playground extends Page {
     }
     this.command("*IDN?");
     this.showRun();
+    this.links();
     this.begin();
   }
 
@@ -115,7 +120,61 @@ class Playground extends Page {
     $("pages").hidden = !location.pathname.includes("/playground/");
   }
 
-  // ---------------------------------------------------------------- the buttons of "Try this"
+  // ---------------------------------------------------------------- the address
+
+  links() {
+    if (this.link.model || this.link.shaft || this.link.fault || "power" in this.link) {
+      this.guard(() => this.followLink(this.link));
+    }
+    addEventListener("hashchange", () => this.guard(() => this.followLink(readLink(location.hash))));
+    $("link").addEventListener("click", () => this.copyLink());
+  }
+
+  // What a link does not name becomes as it was at the start, so that a link means the same everywhere.
+  followLink({ model = MODELS[0], shaft, fault = [], power = true }) {
+    const panel = this.panels.find(({ encoder }) => encoder.model === model);
+    if (!panel) {
+      throw new Error(`model=${model}: expected ${MODELS.join(", ")}`);
+    }
+    const unknown = fault.find((name) => !panel.faults.has(name));
+    if (unknown !== undefined) {
+      throw new Error(`fault=${unknown}: ${model} has no such fault; the list of faults has the names`);
+    }
+    this.panels.forEach(({ encoder }) => encoder.scpi("FAUL:CLE"));
+    this.turnTo(shaft);
+    this.show(panel);
+    fault.forEach((name) => panel.setFault(name, true));
+    if (panel.encoder.powered !== power) {
+      panel.switch(power);
+    }
+  }
+
+  turnTo(shaft) {
+    this.rig.accelerate(0);
+    if (shaft) {
+      this.rig.turn(shaft.rpm ?? 0);
+    }
+    if (shaft?.degrees !== undefined) {
+      this.rig.place(angleOf(shaft.degrees));
+    }
+  }
+
+  // A browser may forbid the clipboard; the address bar has the link in any case.
+  async copyLink() {
+    const { encoder } = this.shown;
+    history.replaceState(null, "", writeLink({
+      model: encoder.model,
+      rpm: this.rig.speed,
+      degrees: degrees(this.rig.angle),
+      faults: encoder.faults().filter(({ active }) => active).map(({ name }) => name),
+      powered: encoder.powered,
+      still: !this.runs,
+    }));
+    const copied = await navigator.clipboard?.writeText(location.href).then(() => true, () => false);
+    $("tried").textContent = `The link to this state is ${copied ? "on the clipboard and " : ""}in the address bar: encoder, shaft and faults.`;
+  }
+
+  // ---------------------------------------------------------------- the three steps
 
   tries() {
     const on = (id, act) => $(id).addEventListener("click", () => this.guard(() => {
@@ -125,14 +184,14 @@ class Playground extends Page {
     on("try-turn", () => {
       this.rig.accelerate(0);
       this.rig.turn(this.rig.speed === TRY_RPM ? -TRY_RPM : TRY_RPM);
-      return `The shaft turns at ${TRY_RPM} rpm, and all four positions count. Press again and it turns the other way.`;
+      return `The shaft turns at ${TRY_RPM} rpm, and all four positions count. Press again to turn it the other way.`;
     });
     on("try-led", () => this.wear());
     on("try-power", (panel) => {
       panel.switch(!panel.encoder.powered);
       return panel.encoder.powered
         ? `${panel.about.title} has power again and knows the angle without a reference run: that is what "absolute" means.`
-        : `${panel.about.title} has no power and does not answer. The shaft goes on turning. Press again to switch it on.`;
+        : `${panel.about.title} has no power and does not answer. The shaft still turns. Press again to switch it on.`;
     });
   }
 

@@ -457,6 +457,61 @@ def test_three_things_to_try(still):
     still.wait_for_function("(before) => document.querySelector('#tab-hiperface b').textContent === before", arg=before)
 
 
+def selected(page):
+    return page.locator("[role=tab][aria-selected=true]").get_attribute("id").removeprefix("tab-")
+
+
+def test_a_link_has_a_state(visit, server):
+    """Encoder, shaft, fault and power of an address; a quarter turn is 16384 of 65536 steps."""
+    page = visit(f"{server}/index.html#model=f3668&shaft=90DEG&fault=temperature_high,led_current_high&still")
+    page.wait_for_function("document.getElementById('angle').textContent === '90.000°'")
+    assert selected(page) == "canopen"
+    assert page.inner_text("#tab-canopen b") == "16384"
+    active = "drehgeber.shown.encoder.faults().filter(({ active }) => active).map(({ name }) => name).sort()"
+    assert page.evaluate(active) == ["led_current_high", "temperature_high"]
+    page.evaluate("location.hash = '#model=s3684-biss&shaft=-30.5RPM&power=off'")
+    page.wait_for_function("drehgeber.rig.speed === -30.5")
+    page.wait_for_function("document.querySelector('#tab-biss b').textContent === 'off'")
+    assert selected(page) == "biss"
+    assert page.evaluate("drehgeber.panels.flatMap(({ encoder }) => encoder.faults()).some(({ active }) => active)") is False
+
+
+@pytest.mark.parametrize("state", ["model=f3668&shaft=90DEG&fault=led_current_high&still", "model=s3684-biss&shaft=-12.5RPM&power=off&still",
+                                   "model=s3684-rs485&shaft=0DEG&still"])
+def test_the_page_writes_its_link(visit, server, state):
+    page = visit(f"{server}/index.html#{state}")
+    page.evaluate("history.replaceState(null, '', '#')")
+    page.click("#link")
+    page.wait_for_function("document.getElementById('tried').textContent.includes('address bar')")
+    assert page.evaluate("location.hash") == f"#{state}"
+
+
+@pytest.mark.parametrize("state, why", [
+    ("model=f36", "model=f36: expected s3684-rs485, s3684-biss, f3668, ocd-ib-k3"),
+    ("shaft=90", "shaft=90: expected 90DEG, 2.5REV or 60RPM"),
+    ("model=f3668&fault=flood", "fault=flood: f3668 has no such fault; the list of faults has the names"),
+    ("power=maybe", "power=maybe: expected on or off"),
+    ("moddel=f3668", "moddel: expected model, shaft, fault, power, still"),
+])
+def test_a_link_that_is_wrong_is_refused(visit, server, state, why):
+    page = visit(f"{server}/index.html#{state}")
+    assert page.inner_text("#trouble") == why
+    assert selected(page) == "hiperface"
+
+
+def test_it_is_small_in_another_page(visit, server):
+    """The front page of the site has it: steps, dial, positions and the wire."""
+    page = visit(f"{server}/index.html#still")
+    assert page.locator("header").is_visible()
+    page.evaluate("document.body.append(Object.assign(document.createElement('iframe'), { src: 'index.html', width: 900, height: 700 }))")
+    inner = page.frame_locator("iframe")
+    inner.locator("#tab-biss").click()
+    for shown in ("#try-led", "#dial", "#panel-biss .log"):
+        assert inner.locator(shown).is_visible()
+    for hidden in ("header", "#prompt", "#turning", "#panel-biss .faults"):
+        assert inner.locator(hidden).is_hidden()
+
+
 def test_values_have_words_and_units(still):
     """Chapter 5.1.1: the signals stand around 2.5 V; at 0 degrees the cosine is at its crest of 0.25 V."""
     facts = """Object.fromEntries([...document.querySelectorAll('#panel-hiperface dl div')].map(
