@@ -359,10 +359,11 @@ enum dg_plan_time {
 struct dg_plan_simulation {
     uint8_t time;     /**< enum dg_plan_time */
     uint32_t step_us; /**< of virtual time; 1..1000000 */
+    bool aggregate;   /**< what is sent in a step goes out together, at its end */
 };
 
 /** As nobody has set them: at once; 1 MHz and no delay; 1 ms and no faults; coordinated, steps of
- * 1 ms. */
+ * 1 ms, messages together. */
 DG_API extern const bool dg_plan_pace_usual;
 DG_API extern const struct dg_plan_timing dg_plan_timing_usual;
 DG_API extern const struct dg_plan_ring dg_plan_ring_usual;

@@ -52,6 +52,8 @@ static const struct dg_key simulation_rows[] = {
      "or real, without steps"},
     {"step_us",       "us", OF_SIMULATION(step_us),   DG_KEY_U32,  0, 1, 1, STEP_MAX_US, NULL,
      "of SIL Kit's virtual time: from one step to the next"},
+    {"aggregate",     "",   OF_SIMULATION(aggregate), DG_KEY_FLAG, 0, 1, 0, 1, dg_key_no_yes,
+     "in virtual time, 1: what the rig sends in a step goes out together, at its end"},
 };
 /* clang-format on */
 
@@ -75,6 +77,7 @@ const struct dg_plan_ring dg_plan_ring_usual = {
 const struct dg_plan_simulation dg_plan_simulation_usual = {
     .time = DG_PLAN_COORDINATED,
     .step_us = 1000,
+    .aggregate = true,
 };
 
 /* ---------------------------------------------------------------- kinds */

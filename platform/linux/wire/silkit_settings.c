@@ -104,6 +104,10 @@ static int same_settings(const struct lx_silkit *self, const struct dg_plan_simu
         lx_words_add(&step, "step_us=%lu", (unsigned long)self->settings.step_us);
         return refuse_another(step.text, "step", plan, wire, error);
     }
+    if (self->settings.aggregate != settings->aggregate) {
+        const char *first = self->settings.aggregate ? "aggregate=1" : "aggregate=0";
+        return refuse_another(first, "way of sending", plan, wire, error);
+    }
     return 0;
 }
 

@@ -69,6 +69,15 @@ def test_other_steps():
     assert figure(result, "positions") == f"{300 * 2 * 2 * 3} checked, 0 wrong"
 
 
+def test_messages_one_by_one():
+    """Rigs and master without SIL Kit's aggregation."""
+    result = run(*SMALL, "--aggregate", "0")
+    assert figure(result, "positions") == "36 checked, 0 wrong"
+    text = run(*SMALL, "--aggregate", "0", "--rig", "0", "--registry", "silkit://a:1").stdout
+    assert text.count("\naggregate = 0\n") == text.count("[bus ") == 2
+    assert "aggregate" not in run(*SMALL, "--rig", "0", "--registry", "silkit://a:1").stdout
+
+
 def test_several_machines():
     """As two of them have it, here on one: rigs with the master, and others that join."""
     registry = f"silkit://127.0.0.1:{free_port()}"

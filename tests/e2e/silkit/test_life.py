@@ -71,6 +71,8 @@ def test_settings(setting, said):
     ((f"{NOBODY},A,p", f"{NOBODY},B,q"), "a rig has one participant; p, as at the first silkit wire"),
     ((f"{NOBODY},A", f"{NOBODY},B\ntime = real"), "a rig has one time; coordinated, as at the first silkit wire"),
     ((f"{NOBODY},A\nstep_us = 5", f"{NOBODY},B\nstep_us = 6"), "a rig has one step; step_us=5, as at the first silkit wire"),
+    ((f"{NOBODY},A\naggregate = 0", f"{NOBODY},B\naggregate = 1"),
+     "a rig has one way of sending; aggregate=0, as at the first silkit wire"),
     ((f"{NOBODY},A", f"{NOBODY},A"), "is the wire in line 1 already"),
 ])
 def test_wires_of_a_rig_are_in_one_simulation(tmp_path, buses, said):

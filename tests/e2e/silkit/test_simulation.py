@@ -231,8 +231,9 @@ TWO = {
 }
 
 
-def two_rigs(folder):
-    """Two rigs and a master for two seconds. What the rigs have written, and what the master has heard."""
+def two_rigs(folder, keys=""):
+    """Two rigs, with more keys of their first bus, and a master for two seconds. What the rigs have written, and what
+    the master has heard."""
     def step(master, now):
         k = now // STEP_NS
         if k == 200:
@@ -253,7 +254,8 @@ def two_rigs(folder):
             master.subscribe(topic, media)
         for topic, media in (("LINE/request", CHARACTERS), ("right/shaft/s/turn", SHAFT)):
             master.publish(topic, media)
-        rigs = [Rig(rig_file(folder, name, registry.uri, text), "--quiet", "--time=virtual:2S") for name, text in TWO.items()]
+        rigs = [Rig(rig_file(folder, name, registry.uri, text.replace("wire = silkit\n", f"wire = silkit\n{keys}", 1)),
+                    "--quiet", "--time=virtual:2S") for name, text in TWO.items()]
         master.start()
         master.wait()
         assert [one.wait() for one in rigs] == [0, 0]
@@ -270,10 +272,11 @@ def two_rigs(folder):
 
 
 def test_three_runs_of_two_rigs_are_the_same(tmp_path):
+    """Also when messages are sent one by one."""
     runs = []
-    for name in "123":
+    for name, keys in ("1", ""), ("2", ""), ("3", "aggregate = 0\n"):
         (tmp_path / name).mkdir()
-        runs.append(two_rigs(tmp_path / name))
+        runs.append(two_rigs(tmp_path / name, keys))
     traces, frames, data = runs[0]
     assert sorted(traces) == ["chain.vcd", "left.log", "line.vcd", "right.log"]
     assert len(frames) > 3 * 1700 and len(data) > 3900

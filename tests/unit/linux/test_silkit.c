@@ -155,6 +155,30 @@ static void boot_up_is_sent_in_the_first_step(void **state)
     assert_int_equal(bench.fake->left, 1);
 }
 
+/* Real time has no steps whose end the library could wait for. */
+static void messages_of_a_step_go_together(void **state)
+{
+    static const char together[] =
+        "{\"Logging\":{\"Sinks\":[]},\"Experimental\":"
+        "{\"TimeSynchronization\":{\"EnableMessageAggregation\":\"On\"}}}";
+    static const char each[] = "{\"Logging\":{\"Sinks\":[]}}";
+    static const struct {
+        const char *keys;
+        const char *config;
+    } rows[] = {{"", together},
+                {"aggregate = 1\n", together},
+                {"aggregate = 0\n", each},
+                {"time = real\n", each}};
+    (void)state;
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
+        struct bench bench;
+        open_bench(&bench, rows[i].keys, NULL);
+        assert_int_equal(bench.result, LX_RIG_OK);
+        assert_string_equal(bench.fake->config, rows[i].config);
+        close_bench(&bench);
+    }
+}
+
 /* Two SYNCs that came the wrong way round, a third one of this very step. */
 static void frames_are_handled_in_the_order_of_their_moments(void **state)
 {
@@ -436,6 +460,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(boot_up_is_sent_in_the_first_step),
+        cmocka_unit_test(messages_of_a_step_go_together),
         cmocka_unit_test(frames_are_handled_in_the_order_of_their_moments),
         cmocka_unit_test(who_has_another_clock_is_heard_at_once),
         cmocka_unit_test(another_clock_has_an_order),

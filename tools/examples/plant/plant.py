@@ -71,9 +71,10 @@ def rig_file(rig: int, plant: argparse.Namespace, uri: str) -> str:
     text = [f"[rig]\nname = plant-{rig}\n"]
     buses = range(rig * plant.buses, (rig + 1) * plant.buses)
     text += [f"[shaft s{bus}]\n" for bus in buses]
+    keys = f"step_us = {plant.step_us}\n" + ("" if plant.aggregate else "aggregate = 0\n")
     for bus in buses:
         text.append(
-            f"[bus b{bus}]\nwire = silkit\naddress = {uri},bus{bus}\nstep_us = {plant.step_us}\n"
+            f"[bus b{bus}]\nwire = silkit\naddress = {uri},bus{bus}\n{keys}"
             f"[encoder b{bus}]\nmodel = f3668\nbus = b{bus}\nnode = 1..{plant.nodes}\nshaft = s{bus}\n"
         )
     return "".join(text)
@@ -168,10 +169,13 @@ class Kit:
         self.kept.append(handler)
         self.call(function, service, *(more or (None,)), handler)
 
-    def configuration(self, uri: str = "") -> c_void_p:
-        """Errors are told by the functions. With a registry on loopback, others are met there, too; else anywhere."""
+    def configuration(self, uri: str = "", aggregate: bool = False) -> c_void_p:
+        """Errors are told by the functions. With a registry on loopback, others are met there, too; else anywhere. What
+        is sent in a step goes out together if it is to aggregate."""
         made = c_void_p()
-        words: dict[str, dict[str, list[str]]] = {"Logging": {"Sinks": []}}
+        words: dict[str, dict[str, object]] = {"Logging": {"Sinks": []}}
+        if aggregate:
+            words["Experimental"] = {"TimeSynchronization": {"EnableMessageAggregation": "On"}}
         if uri.startswith(("silkit://127.", "silkit://localhost:")):
             place = f"/tmp/{MASTER}-{os.getpid()}-{time.monotonic_ns()}.silkit"
             words["Middleware"] = {"AcceptorUris": [f"local://{place}", "tcp://127.0.0.1:0"]}
@@ -227,7 +231,8 @@ class Master:
         kit, self.life, clock, controller = self.kit, c_void_p(), c_void_p(), c_void_p()
         self.participant = c_void_p()
         names = [MASTER, *(f"plant-{rig}" for rig in range(self.plant.processes))]
-        kit.call("Participant_Create", ctypes.byref(self.participant), kit.configuration(uri), MASTER.encode(), uri.encode())
+        configuration = kit.configuration(uri, bool(self.plant.aggregate))
+        kit.call("Participant_Create", ctypes.byref(self.participant), configuration, MASTER.encode(), uri.encode())
         array = (c_char_p * len(names))(*map(str.encode, names))
         kit.kept.append(array)
         workflow = Workflow(Header(version(7, 3, 3)), ctypes.pointer(Strings(len(names), array)))
@@ -552,6 +557,9 @@ def options() -> argparse.Namespace:
     parser.add_argument("--ms", type=int, default=1000, help="virtual time, from the first SYNC on (1000)")
     parser.add_argument("--step-us", type=int, default=1000, help="a step of the simulation (1000)")
     parser.add_argument("--sync-ms", type=int, default=100, help="SYNC on a bus each (100): half of what 250 kBd carry")
+    parser.add_argument(
+        "--aggregate", type=int, choices=(0, 1), default=1, help="0: a message of its own for each frame (1: for each step)"
+    )
     parser.add_argument("--here", type=numbers, metavar="FIRST..LAST", help="rigs to start on this machine, or none (all)")
     parser.add_argument("--registry", metavar="silkit://HOST:PORT", help="of the master (any port of this machine)")
     parser.add_argument("--join", action="store_true", help="the master and the registry are on another machine")

@@ -21,6 +21,7 @@ struct fake_topic {
 struct fake_silkit {
     const char *refuses; /* this function says no; NULL: none does */
     const char *hangs;   /* this one never comes back; likewise */
+    char config[512];    /* of the participant */
     void *ctx;           /* of what follows */
     lx_sk_on_lifecycle *ready, *stop, *shutdown;
     lx_sk_on_abort *abort;
