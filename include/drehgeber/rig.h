@@ -355,11 +355,19 @@ enum dg_plan_time {
     DG_PLAN_TIME_COUNT
 };
 
+/** How frames of a bus travel in a simulation. */
+enum dg_plan_frames {
+    DG_PLAN_FRAMES_CAN,    /**< each by itself, on its CAN network */
+    DG_PLAN_FRAMES_PACKED, /**< those of a step in one message of a topic */
+    DG_PLAN_FRAMES_COUNT
+};
+
 /** Settings of a wire in a simulation. */
 struct dg_plan_simulation {
     uint8_t time;     /**< enum dg_plan_time */
     uint32_t step_us; /**< of virtual time; 1..1000000 */
     bool aggregate;   /**< what is sent in a step goes out together, at its end */
+    uint8_t frames;   /**< enum dg_plan_frames; each wire's own */
 };
 
 /** As nobody has set them: at once; 1 MHz and no delay; 1 ms and no faults; coordinated, steps of

@@ -24,6 +24,12 @@ static const char *const times[] = {
 };
 _Static_assert(DG_COUNT(times) == DG_PLAN_TIME_COUNT, "a word for each");
 
+static const char *const frames[] = {
+    [DG_PLAN_FRAMES_CAN] = "can",
+    [DG_PLAN_FRAMES_PACKED] = "packed",
+};
+_Static_assert(DG_COUNT(frames) == DG_PLAN_FRAMES_COUNT, "a word for each");
+
 /* clang-format off */
 static const struct dg_key pace_rows[] = {
     {"pace",          "",   0,                        DG_KEY_FLAG, 0, 1, 0, 1, dg_key_no_yes,
@@ -54,6 +60,8 @@ static const struct dg_key simulation_rows[] = {
      "of SIL Kit's virtual time: from one step to the next"},
     {"aggregate",     "",   OF_SIMULATION(aggregate), DG_KEY_FLAG, 0, 1, 0, 1, dg_key_no_yes,
      "in virtual time, 1: what the rig sends in a step goes out together, at its end"},
+    {"frames",        "",   OF_SIMULATION(frames),    DG_KEY_WORD, 0, 1, 0, DG_PLAN_FRAMES_COUNT - 1, frames,
+     "of a CAN bus: each by itself on its CAN network, or those of a step in one message of a topic"},
 };
 /* clang-format on */
 

@@ -162,6 +162,7 @@ static void settings_of_wires(void **state)
     assert_int_equal(simulation.time, DG_PLAN_REAL);
     assert_int_equal(simulation.step_us, 1000000);
     assert_true(simulation.aggregate);
+    assert_int_equal(simulation.frames, DG_PLAN_FRAMES_PACKED);
     check_rows(dg_plan_find_kind("can", 3)->keys, &pace);
     assert_true(pace);
 }

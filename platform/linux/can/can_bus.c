@@ -364,5 +364,6 @@ struct lx_bus *lx_can_bus_make_socketcand(const struct lx_bus_setup *setup,
 struct lx_bus *lx_can_bus_make_silkit(const struct lx_bus_setup *setup, struct dg_engine_wire *to,
                                       struct lx_error *error)
 {
-    return lx_can_bus_make(setup, to, lx_silkit_can_open, error);
+    const bool packed = to->line.simulation.frames == DG_PLAN_FRAMES_PACKED;
+    return lx_can_bus_make(setup, to, packed ? lx_silkit_pack_open : lx_silkit_can_open, error);
 }

@@ -4,6 +4,11 @@
  * simulator every frame gets through at once; with one, frames get lost, and the controller has an
  * error state. Until the simulation begins, frames wait: a real controller tries until somebody
  * acknowledges.
+ *
+ * Or packed: there is no controller, and all frames of a step are one message (silkit_pack.h).
+ *
+ *   NETWORK/frames/to --> encoders
+ *   NETWORK/frames    <-- encoders
  */
 #include <stdio.h>
 #include <stdlib.h>
@@ -11,6 +16,7 @@
 
 #include "can.h"
 #include "silkit.h"
+#include "silkit_pack.h"
 
 /* Of 11 bits. */
 #define ID_MAX 0x7FFu
@@ -19,7 +25,9 @@
 
 struct silkit_can {
     struct lx_can can;
-    struct lx_silkit_port port;
+    struct lx_silkit_port port; /* the controller, or what is received packed: */
+    struct lx_silkit_port out;  /* ... and where packed frames go to */
+    struct lx_silkit_pack pack; /* of this step */
     struct lx_silkit_where where;
     struct dg_can_frame *early; /* owned */
     size_t early_count;
@@ -32,8 +40,32 @@ static struct silkit_can *silkit_of(struct lx_can *can)
 
 /* --- out --- */
 
+static void flush(void *ctx, dg_ns now)
+{
+    struct silkit_can *self = ctx;
+    (void)now;
+    if (self->pack.count > 0) {
+        lx_silkit_publish(&self->out, self->pack.bytes, self->pack.length);
+        lx_silkit_pack_clear(&self->pack);
+    }
+}
+
+static void pack(struct silkit_can *self, const struct dg_can_frame *frame)
+{
+    const uint64_t at = lx_silkit_time_at(self->port.all, lx_now());
+    if (lx_silkit_pack_add(&self->pack, at, frame)) {
+        return;
+    }
+    flush(self, lx_now());
+    self->can.counters.lost += lx_silkit_pack_add(&self->pack, at, frame) ? 0u : 1u;
+}
+
 static void send(struct silkit_can *self, const struct dg_can_frame *frame)
 {
+    if (self->port.packed) {
+        pack(self, frame);
+        return;
+    }
     const uint8_t n = frame->dlc < sizeof frame->data ? frame->dlc : (uint8_t)sizeof frame->data;
     lx_silkit_send(&self->port, frame->id, frame->rtr, frame->data, n);
 }
@@ -54,6 +86,15 @@ static bool write_frame(struct lx_can *can, const struct dg_can_frame *frame)
         self->early[self->early_count++] = *frame;
     }
     return true;
+}
+
+/* In real time there are no steps to collect them in. */
+static void push(struct lx_can *can)
+{
+    struct silkit_can *self = silkit_of(can);
+    if (!lx_silkit_is_virtual(self->port.all)) {
+        flush(self, lx_now());
+    }
 }
 
 static void on_ready(void *ctx, dg_ns now)
@@ -126,9 +167,16 @@ static void expect(struct lx_can *can, uint16_t kbaud)
     }
 }
 
+/* A message has no bit rate. */
+static void expect_any(struct lx_can *can, uint16_t kbaud)
+{
+    can->expected = kbaud;
+}
+
 static void close_silkit(struct lx_can *can)
 {
     free(silkit_of(can)->early);
+    lx_silkit_pack_free(&silkit_of(can)->pack);
 }
 
 static const struct lx_can_ops silkit_ops = {
@@ -136,25 +184,62 @@ static const struct lx_can_ops silkit_ops = {
     .expect = expect,
     .close = close_silkit,
 };
+static const struct lx_can_ops packed_ops = {
+    .write = write_frame,
+    .push = push,
+    .expect = expect_any,
+    .close = close_silkit,
+};
 
-static int start_controller(struct lx_can *can, struct lx_error *error)
+/* --- making --- */
+
+static int join(struct silkit_can *self, struct lx_error *error)
 {
-    struct silkit_can *self = silkit_of(can);
-    const struct lx_can_setup *setup = &can->setup;
+    struct lx_can *can = &self->can;
     self->port = (struct lx_silkit_port){.receive = receive, .ready = on_ready, .ctx = self};
-    if (lx_silkit_split(setup->where, &self->where, error) != 0 ||
-        lx_silkit_join(setup->silkit, error) != 0) {
+    if (lx_silkit_split(can->setup.where, &self->where, error) != 0 ||
+        lx_silkit_join(can->setup.silkit, error) != 0) {
         return -1;
     }
     (void)snprintf(can->address, sizeof can->address, "%s,%s", self->where.uri,
                    self->where.network);
-    return lx_silkit_open_can(setup->silkit, &self->port, self->where.network, error);
+    return 0;
 }
 
-static const struct lx_can_kind kind = {sizeof(struct silkit_can), &silkit_ops, start_controller,
-                                        NULL};
+static int start_controller(struct lx_can *can, struct lx_error *error)
+{
+    struct silkit_can *self = silkit_of(can);
+    return join(self, error) != 0
+               ? -1
+               : lx_silkit_open_can(can->setup.silkit, &self->port, self->where.network, error);
+}
+
+static int start_packed(struct lx_can *can, struct lx_error *error)
+{
+    struct silkit_can *self = silkit_of(can);
+    struct lx_silkit *silkit = can->setup.silkit;
+    if (join(self, error) != 0) {
+        return -1;
+    }
+    self->port.packed = true;
+    self->out = (struct lx_silkit_port){.step = flush, .ctx = self};
+    lx_silkit_name_topic(&self->out, self->where.network, "frames");
+    lx_silkit_name_topic(&self->port, self->out.topic, "to");
+    return lx_silkit_subscribe(silkit, &self->port, LX_SILKIT_PACK_TYPE, error) != 0
+               ? -1
+               : lx_silkit_offer(silkit, &self->out, LX_SILKIT_PACK_TYPE, error);
+}
 
 struct lx_can *lx_silkit_can_open(const struct lx_can_setup *setup, struct lx_error *error)
 {
+    static const struct lx_can_kind kind = {sizeof(struct silkit_can), &silkit_ops,
+                                            start_controller, NULL};
+    return lx_can_make(&kind, setup, error);
+}
+
+struct lx_can *lx_silkit_pack_open(const struct lx_can_setup *setup, struct lx_error *error)
+{
+    static const struct lx_can_kind kind = {sizeof(struct silkit_can), &packed_ops, start_packed,
+                                            NULL};
     return lx_can_make(&kind, setup, error);
 }

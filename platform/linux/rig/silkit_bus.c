@@ -15,6 +15,11 @@ struct lx_bus *lx_silkit_bus_make(const struct lx_bus_setup *setup, struct dg_en
                                   struct lx_error *error)
 {
     const enum dg_medium medium = setup->stations[0]->plan->model->stack->medium;
+    const bool packed = to->line.simulation.frames == DG_PLAN_FRAMES_PACKED;
+    if (packed && medium != DG_MEDIUM_FRAMES) {
+        (void)lx_refuse(error, "leave it out", "frames = packed: only a CAN bus has frames");
+        return NULL;
+    }
     const bool added = lx_silkit_add(setup->silkit, setup->plan, setup->wire, error) == 0;
     return added ? makers[medium](setup, to, error) : NULL;
 }

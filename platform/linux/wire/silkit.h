@@ -55,7 +55,8 @@ struct lx_silkit_port {
     char topic[LX_SILKIT_TOPIC_MAX]; /**< "": of CAN */
     size_t length_min;               /**< of what may be received; */
     size_t length_max;               /**< anything else is left out, and said once */
-    uint64_t refused;                /**< how often */
+    bool packed;      /**< a message is frames (silkit_pack.h), of which each is received */
+    uint64_t refused; /**< how often */
     struct lx_sk_can *can;
     struct lx_sk_publisher *publisher;
     /** A message has come at `now`; more of the same moment may follow unless it is the `last`.

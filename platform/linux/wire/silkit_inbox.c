@@ -119,13 +119,16 @@ void lx_silkit_inbox_put(struct lx_silkit_inbox *self, const struct lx_silkit_me
     (void)pthread_mutex_lock(&self->lock);
     note_end(self, message->kind);
     const bool wanted = !self->closed;
+    const bool first = self->list.count == 0;
     const bool added = wanted && whole && add(self, &copy, copy.bytes == NULL ? 0 : n);
     self->lost += wanted && !added ? 1u : 0u;
     (void)pthread_mutex_unlock(&self->lock);
     if (!added) {
         free(copy.bytes);
     }
-    (void)!write(self->wakes, &one, sizeof one);
+    if (first) { /* else the loop is to come already */
+        (void)!write(self->wakes, &one, sizeof one);
+    }
 }
 
 /* --- the loop --- */

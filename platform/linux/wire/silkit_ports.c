@@ -8,6 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "silkit_pack.h"
 #include "silkit_parts.h"
 
 #define FRAME_BYTES_MAX 8u
@@ -83,6 +84,34 @@ static void on_data(void *ctx, struct lx_sk_subscriber *subscriber,
     lx_silkit_inbox_put(&port->all->inbox, &message, event->data.data, fits ? n : 0);
 }
 
+/* Each frame is a message by itself, as if it had come on a CAN network. */
+static void on_pack(void *ctx, struct lx_sk_subscriber *subscriber,
+                    const struct lx_sk_data_event *event)
+{
+    struct lx_silkit_port *port = ctx;
+    if (lx_silkit_is_left_behind()) {
+        return;
+    }
+    struct lx_silkit_message message = {
+        .kind = LX_SILKIT_FRAME, .port = port, .time = event->timestamp};
+    const size_t n = event->data.size;
+    struct dg_can_frame frame;
+    size_t at = LX_SILKIT_PACK_HEAD;
+    (void)subscriber;
+    if (n > LX_SILKIT_PACK_MAX || !lx_silkit_pack_is_good(event->data.data, n)) {
+        message.kind = LX_SILKIT_REFUSED;
+        message.id = n < UINT32_MAX ? (uint32_t)n : UINT32_MAX;
+        lx_silkit_inbox_put(&port->all->inbox, &message, NULL, 0);
+        return;
+    }
+    while (lx_silkit_pack_next(event->data.data, n, &at, &frame)) {
+        message.id = frame.id;
+        message.flags = frame.rtr ? LX_SK_FRAME_REMOTE : 0;
+        message.dlc = frame.dlc;
+        lx_silkit_inbox_put(&port->all->inbox, &message, frame.data, frame.rtr ? 0 : frame.dlc);
+    }
+}
+
 /* --- order --- */
 
 static int compare(const void *a, const void *b)
@@ -115,6 +144,12 @@ static void note_refused(struct lx_silkit_port *self, const struct lx_silkit_mes
     if (self->refused++ > 0 || self->can != NULL) {
         return;
     }
+    if (self->packed) {
+        lx_complain("SIL Kit: %s: a message of %lu bytes is left out, as are more such ones; "
+                    "packed frames are right",
+                    self->topic, (unsigned long)message->id);
+        return;
+    }
     lx_complain("SIL Kit: %s: a message of %lu bytes is left out, as are more such ones; %s%zu are "
                 "right",
                 self->topic, (unsigned long)message->id, one ? "" : "at most ", self->length_max);
@@ -132,7 +167,7 @@ void lx_silkit_deliver(struct lx_silkit *self, dg_ns now, uint64_t end)
     if (message.kind == LX_SILKIT_REFUSED) {
         note_refused(port, &message);
     }
-    if (message.kind != LX_SILKIT_REFUSED || port->can != NULL) {
+    if (message.kind != LX_SILKIT_REFUSED || port->can != NULL || port->packed) {
         port->receive(port->ctx, now, &message, last);
     }
     free(message.bytes);
@@ -213,7 +248,7 @@ static int make_subscriber(struct lx_silkit_call *call, struct lx_error *error)
     struct lx_sk_spec spec = spec_of(call);
     char name[32];
     return self->lib.subscriber_new(&subscriber, self->participant, name_of(call->port, name),
-                                    &spec, call->port, on_data) != 0
+                                    &spec, call->port, call->port->packed ? on_pack : on_data) != 0
                ? lx_silkit_refused(self, call->name, error)
                : 0;
 }

@@ -4,6 +4,7 @@ import ctypes
 import os
 import signal
 import socket
+import struct
 import subprocess
 import threading
 import time
@@ -77,6 +78,29 @@ ON_DATA = CFUNCTYPE(None, c_void_p, c_void_p, POINTER(DataEvent))
 def as_bytes(content: bytes) -> Bytes:
     array = (c_uint8 * max(1, len(content))).from_buffer_copy(content or b"\0")
     return Bytes(ctypes.cast(array, POINTER(c_uint8)), len(content))
+
+
+PACK_HEAD, PACK_FRAME = struct.Struct("<QHH"), struct.Struct("<IHBB")
+
+
+def pack(at, *frames):
+    """A packed message of frames, (identifier, data), that are all sent at that moment."""
+    return PACK_HEAD.pack(at, len(frames), 0) + b"".join(
+        PACK_FRAME.pack(0, identifier, len(data), 0) + data for identifier, data in frames)
+
+
+def unpack(message):
+    """Its frames, (moment, identifier, data); 8000h in the identifier of a remote one."""
+    begin, count, zero = PACK_HEAD.unpack_from(message)
+    frames, at = [], PACK_HEAD.size
+    for _ in range(count):
+        offset, identifier, dlc, reserved = PACK_FRAME.unpack_from(message, at)
+        end = at + PACK_FRAME.size + (0 if identifier & 0x8000 else dlc)
+        frames.append((begin + offset, identifier, message[at + PACK_FRAME.size:end]))
+        assert reserved == 0
+        at = end
+    assert zero == 0 and at == len(message) and frames != []
+    return frames
 
 
 class Registry:

@@ -61,9 +61,15 @@ def test_no_registry(host):
     ("time=x", "--set time=x: coordinated, autonomous or real is right"),
     ("step_us=0", "--set step_us=0: a number in 1..1000000 us is right"),
     ("pace=1", "--set pace=1: "),
+    ("frames=x", "--set frames=x: can or packed is right"),
 ])
 def test_settings(setting, said):
     assert said in refused(2, f"--silkit={NOBODY},CAN1", "--set", setting)
+
+
+def test_only_a_can_bus_has_frames():
+    line = run_refused(2, "run", "s3684-rs485", f"--silkit={NOBODY},LINE1", "--set", "frames=packed", env=WITH_LIBRARY)
+    assert "frames = packed: only a CAN bus has frames" in line
 
 
 @pytest.mark.parametrize("buses, said", [

@@ -5,13 +5,14 @@ import struct
 
 import pytest
 
-from simulation import AUTONOMOUS, STEP_NS, Registry, Participant, Rig
+from simulation import AUTONOMOUS, STEP_NS, Registry, Participant, Rig, pack, unpack
 
 CHARACTERS = "application/vnd.drehgeber.characters.v1"
 LATCH = "application/vnd.drehgeber.latch.v1"
 FRAME = "application/vnd.drehgeber.frame.v1"
 INTERBUS = "application/vnd.drehgeber.interbus.v1"
 SHAFT = "application/vnd.drehgeber.shaft.v1"
+PACKED = "application/vnd.drehgeber.can.v1"
 POSITION_42H = bytes.fromhex("404202")
 SECOND = 1_000_000_000
 TURN = 1 << 32
@@ -79,6 +80,50 @@ def test_frames_are_handled_at_their_own_moment(run):
     assert len(told) > 490
     assert told == [(time, (time - STEP_NS) * 65536 // SECOND) for time, _ in told]
     assert master.frames[0][:3] == (0, 0x73F, b"\0")
+
+
+def test_packed_frames_are_those_of_a_can_bus(run):
+    """Two buses with the same encoders are told the same; each frame of the packed one has its own moment."""
+    def step(master, k):
+        frames = {200: [(0, START_ALL)]}.get(k, [(0x605 + k % 2, UPLOAD_POSITION), (0x80, b"")] if k > 200 else [])
+        for frame in frames:
+            master.send(*frame)
+        if frames:
+            master.publish("CAN2/frames/to", PACKED, pack(k * STEP_NS, *frames))
+
+    def prepare(master):
+        master.can("CAN1")
+        master.subscribe("CAN2/frames", PACKED)
+        master.publish("CAN2/frames/to", PACKED)
+
+    two = ("a", "f3668", "node = 5", "shaft = s"), ("b", "f3658", "node = 6", "shaft = s")
+    more = [(name + "2", *lines) for name, *lines in two]
+    master = run("[shaft s]\nmotion = 60RPM\n" + bus("CAN1", *two) + bus("CAN2", *more, more="frames = packed\n"), 700, step,
+                 prepare)
+    alone = [(time, name, content) for time, name, content, _ in master.frames]
+    packed = [(time, frame) for time, message in of(master, "CAN2/frames") for frame in unpack(message)]
+    assert [(time, name, content) for time, (_, name, content) in packed] == alone
+    assert len(alone) > 3 * 490
+    told = [(time, at) for time, (at, name, _) in packed if name in (0x285, 0x286, 0x585, 0x586)]
+    assert {time - at for time, at in told} == {STEP_NS}
+
+
+@pytest.mark.parametrize("message", [b"", bytes(11), pack(0, (0x800, b"")), pack(0, (0x80, b"")) + b"\0", bytes(2_000_000)])
+def test_what_is_no_packed_frames_is_said_once(registry, tmp_path, rig, join, message):
+    def step(master, now):
+        master.publish("CAN1/frames/to", PACKED, message)
+        if now == 20 * STEP_NS:
+            master.stop()
+
+    master = join("master", step, required=["cell", "master"])
+    master.publish("CAN1/frames/to", PACKED)
+    program = rig(rig_file(tmp_path, "cell", registry.uri, "[shaft s]\n" + bus("CAN1", ("a", "f3668"), more="frames = packed\n")))
+    master.start()
+    master.wait()
+    assert program.wait() == 0
+    assert program.errors.so_far() == [
+        f"drehgeber: SIL Kit: CAN1/frames/to: a message of {len(message)} bytes is left out, as are more such ones; "
+        "packed frames are right", "drehgeber: SIL Kit: the simulation has ended"]
 
 
 def test_sdo_and_node_id_by_lss(run):

@@ -220,6 +220,102 @@ static void who_has_another_clock_is_heard_at_once(void **state)
     close_bench(&bench);
 }
 
+/* Of the can bus as a packed one: what a step has made it say, in one message. */
+static const struct fake_topic *packed(struct bench *bench, uint64_t at)
+{
+    const struct fake_topic *from = topic(bench, "CAN/frames");
+    const unsigned before = from->count;
+    step(bench, at);
+    assert_int_equal(from->count, before + 1u);
+    return from;
+}
+
+#define PACKED "frames = packed\n"
+#define HEAD(count) 0, 0, 0, 0, 0, 0, 0, 0, count, 0, 0, 0
+
+static void packed_frames_are_those_of_a_step(void **state)
+{
+    static const uint8_t start[] = {HEAD(1), 0, 0, 0, 0, 0, 0, 2, 0, 1, 0};
+    /* The later SDO first: at one moment they are in the order of their identifiers. */
+    static const uint8_t two[] = {HEAD(2), 0, 0, 0, 0, 0x3F, 6, 8, 0,    0x40, 4, 0x60, 0,
+                                  0,       0, 0, 0, 0, 0,    0, 0, 0x80, 0,    0, 0};
+    struct bench bench;
+    (void)state;
+    open_bench(&bench, PACKED, NULL);
+    assert_int_equal(bench.result, LX_RIG_OK);
+    bench.fake->ready(bench.fake->ctx, NULL);
+    run(&bench);
+    const struct fake_topic *from = packed(&bench, 0);
+    static const uint8_t boot[] = {HEAD(1), 0, 0, 0, 0, 0x3F, 7, 1, 0, 0};
+    assert_int_equal(from->size, sizeof boot);
+    assert_memory_equal(from->bytes, boot, sizeof boot);
+    publish(&bench, MS / 2, "CAN/frames/to", start, sizeof start);
+    step(&bench, MS);
+    const unsigned quiet_count = from->count;
+    step(&bench, 2 * MS);
+    assert_int_equal(from->count, quiet_count); /* nothing was said */
+    publish(&bench, 501 * MS, "CAN/frames/to", two, sizeof two);
+    (void)packed(&bench, 503 * MS);
+    assert_int_equal(dg_load_le32(from->bytes), 501 * MS); /* when they were sent */
+    assert_int_equal(dg_load_le16(from->bytes + 8), 2);
+    assert_int_equal(dg_load_le16(from->bytes + 16), 0x2BF);
+    assert_int_equal(dg_load_le32(from->bytes + 20), 501 * 65536 / 1000);
+    assert_int_equal(dg_load_le16(from->bytes + 28), 0x5BF);
+    assert_int_equal(bench.fake->frames, 0); /* there is no controller */
+    assert_int_equal(bench.fake->started, 0);
+    close_bench(&bench);
+}
+
+/* What comes behind its moment and what comes before it are the same. */
+static void packed_frames_are_held_until_their_step_is_over(void **state)
+{
+    static const uint8_t start[] = {HEAD(1), 0, 0, 0, 0, 0, 0, 2, 0, 1, 0};
+    static const uint8_t sync[] = {HEAD(1), 0, 0, 0, 0, 0x80, 0, 0, 0};
+    struct bench bench;
+    (void)state;
+    open_bench(&bench, PACKED, NULL);
+    bench.fake->ready(bench.fake->ctx, NULL);
+    run(&bench);
+    step(&bench, 0);
+    publish(&bench, 0, "CAN/frames/to", start, sizeof start);
+    step(&bench, 500 * MS);
+    publish(&bench, 501 * MS, "CAN/frames/to", sync, sizeof sync); /* before the step at 501 ms, */
+    const unsigned before = topic(&bench, "CAN/frames")->count;
+    step(&bench, 501 * MS);
+    assert_int_equal(topic(&bench, "CAN/frames")->count, before);
+    publish(&bench, 501 * MS, "CAN/frames/to", sync, sizeof sync); /* ... and behind it */
+    const struct fake_topic *from = packed(&bench, 502 * MS);
+    assert_int_equal(dg_load_le16(from->bytes + 8), 2);
+    assert_int_equal(dg_load_le32(from->bytes + 20), 501 * 65536 / 1000);
+    assert_int_equal(dg_load_le32(from->bytes + 32), 501 * 65536 / 1000);
+    close_bench(&bench);
+}
+
+static void what_is_no_packed_frames_is_left_out(void **state)
+{
+    static const uint8_t wide[] = {HEAD(1), 0, 0, 0, 0, 0, 8, 0, 0};
+    static const uint8_t sync[] = {HEAD(1), 0, 0, 0, 0, 0x80, 0, 0, 0};
+    struct bench bench;
+    (void)state;
+    open_bench(&bench, PACKED, NULL);
+    bench.fake->ready(bench.fake->ctx, NULL);
+    run(&bench);
+    step(&bench, 0);
+    publish(&bench, 1, "CAN/frames/to", (const uint8_t[]){HEAD(1), 0, 0, 0, 0, 0, 0, 2, 0, 1, 0},
+            22);
+    for (size_t n = 0; n < sizeof sync; n++) {
+        publish(&bench, 1, "CAN/frames/to", sync, n);
+    }
+    publish(&bench, 1, "CAN/frames/to", wide, sizeof wide);
+    step(&bench, MS);
+    const unsigned before = topic(&bench, "CAN/frames")->count;
+    publish(&bench, MS, "CAN/frames/to", sync, sizeof sync);
+    publish(&bench, MS, "CAN/frames/to", wide, sizeof wide);
+    step(&bench, 2 * MS);
+    assert_int_equal(topic(&bench, "CAN/frames")->count, before + 1u);
+    close_bench(&bench);
+}
+
 /* Beside one of this very step. */
 static void another_clock_has_an_order(void **state)
 {
@@ -463,6 +559,9 @@ int main(void)
         cmocka_unit_test(messages_of_a_step_go_together),
         cmocka_unit_test(frames_are_handled_in_the_order_of_their_moments),
         cmocka_unit_test(who_has_another_clock_is_heard_at_once),
+        cmocka_unit_test(packed_frames_are_those_of_a_step),
+        cmocka_unit_test(packed_frames_are_held_until_their_step_is_over),
+        cmocka_unit_test(what_is_no_packed_frames_is_left_out),
         cmocka_unit_test(another_clock_has_an_order),
         cmocka_unit_test(states_of_the_controller_are_the_encoders),
         cmocka_unit_test(topics_carry_what_goes_over_lines),

@@ -13,7 +13,7 @@ struct fake_topic {
     const char *topic;
     void *ctx;
     lx_sk_on_data *handler; /* NULL: it is published */
-    uint8_t bytes[64];      /* published last */
+    uint8_t bytes[256];     /* published last */
     size_t size;
     unsigned count;
 };
