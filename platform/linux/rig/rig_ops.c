@@ -115,7 +115,8 @@ static void turns(struct dg_rig *control, struct dg_rig_shaft *shaft, dg_ns now)
 
 static void turned(struct dg_rig *control, struct dg_rig_shaft *shaft, dg_ns now)
 {
-    const struct lx_rig_shaft *self = shaft_of(control, shaft);
+    struct lx_rig_shaft *self = shaft_of(control, shaft);
+    self->turns++;
     for (size_t i = 0; i < self->minder_count; i++) {
         tell_bus(self->minders[i], now);
     }

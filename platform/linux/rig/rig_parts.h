@@ -37,6 +37,7 @@ struct lx_rig_shaft {
     struct lx_csv *reading; /**< of a motion that is to be played; NULL: none */
     char *reads;            /**< its name; owned */
     struct lx_record *record;
+    unsigned turns; /**< how often it was turned, modulo 2^32 */
 };
 
 /** A wire. */

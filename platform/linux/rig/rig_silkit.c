@@ -3,9 +3,13 @@
  * Shafts of a rig that takes part in a SIL Kit simulation:
  *
  *   PARTICIPANT/shaft/NAME/turn --> where it is, and how fast it goes on from there
- *   PARTICIPANT/shaft/NAME      <-- the same, at each step
+ *   PARTICIPANT/shaft/NAME      <-- the same, at each step in which it does not go on as it said
  *
  * Both are 16 bytes, little endian: angle in 2^-32 turns, speed in 2^-32 turns a second.
+ *
+ * A plant has a thousand shafts, and most of them go on with one speed. Nobody looks at such a one
+ * before it is turned again or SURE is over; then what the speed's last bit is short of adds up to
+ * one bit of the angle.
  */
 #define _GNU_SOURCE
 #include <stdio.h>
@@ -18,6 +22,7 @@
 #define SIZE 16u
 #define TURN INT64_C(0x100000000)
 #define MRPM_PER_RPS 60000
+#define SURE DG_S(1)
 
 /* A shaft's topics. */
 struct lx_rig_topics {
@@ -25,6 +30,9 @@ struct lx_rig_topics {
     struct lx_rig_shaft *shaft;
     struct lx_silkit_port turn;
     struct lx_silkit_port position;
+    const struct lx_rig_topics *driver; /* NULL: it turns by itself */
+    unsigned turns;                     /* of it and all that drive it, when it was said last */
+    dg_ns look;                         /* it goes on as said until then */
 };
 
 static int64_t load(const uint8_t *from)
@@ -56,10 +64,38 @@ static void receive(void *ctx, dg_ns now, const struct lx_silkit_message *messag
     lx_rig_ops.turned(control, shaft, now);
 }
 
+/* How often it was turned so far, by whatever drives it, too. */
+static unsigned count_turns(const struct lx_rig_topics *self)
+{
+    unsigned turns = 0;
+    for (; self != NULL; self = self->driver) {
+        turns += self->shaft->turns;
+    }
+    return turns;
+}
+
+/* Whether it turns with one speed from `now` on, until somebody turns it. */
+static bool is_steady(const struct lx_rig_topics *self, dg_ns now)
+{
+    while (self->driver != NULL) {
+        self = self->driver;
+    }
+    const struct dg_shaft *shaft = &self->shaft->control->shaft;
+    const enum dg_motion_kind kind = shaft->course.motion.kind;
+    return shaft->course.plays ? kind == DG_MOTION_STANDSTILL || kind == DG_MOTION_SPEED
+                               : dg_shaft_settled(shaft) <= now;
+}
+
 static void step(void *ctx, dg_ns now)
 {
     struct lx_rig_topics *self = ctx;
     struct dg_shaft *shaft = &self->shaft->control->shaft;
+    const unsigned turns = count_turns(self);
+    if (turns == self->turns && now < self->look) {
+        return;
+    }
+    self->turns = turns;
+    self->look = is_steady(self, now) ? dg_after(now, SURE) : 0;
     const int64_t speed = (int64_t)dg_shaft_mrpm(shaft, now) * TURN / MRPM_PER_RPS;
     uint8_t bytes[SIZE];
     dg_store_le64(bytes, (uint64_t)dg_shaft_angle(shaft, now));
@@ -99,7 +135,9 @@ int lx_rig_join(struct lx_rig *self, struct lx_error *error)
     int result = 0;
     for (size_t i = 0; result == 0 && i < count; i++) {
         self->topics[i].rig = self;
+        const int driver = self->setup.plan->shafts[i].driver;
         self->topics[i].shaft = &self->shafts[i];
+        self->topics[i].driver = driver < 0 ? NULL : &self->topics[driver];
         result = open_shaft(&self->topics[i], error);
     }
     return result == 0 ? lx_silkit_start(self->silkit, error) : -1;

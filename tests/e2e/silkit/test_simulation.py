@@ -218,7 +218,8 @@ def test_a_ring_cycles_with_the_steps(run):
 
 
 def test_shafts_turn_and_are_turned(run):
-    """Angle and speed go on until the next message; a geared shaft follows."""
+    """Angle and speed go on until the next message, so there is none while they do, but one a second; a geared shaft
+    follows."""
     def step(master, k):
         if k == 500:
             master.publish("cell/shaft/motor/turn", SHAFT, struct.pack("<qq", 10 * TURN, -2 * TURN))
@@ -229,15 +230,30 @@ def test_shafts_turn_and_are_turned(run):
         master.publish("cell/shaft/motor/turn", SHAFT)
 
     text = "[shaft motor]\nmotion = 60RPM\n[shaft axis]\ndriver = motor\nratio = 1:2\n" + one("f3668", "CAN1")
-    master = run(text, 1000, step, prepare)
+    master = run(text, 2000, step, prepare)
     for shaft, ratio in ("motor", 1), ("axis", 2):
         told = of(master, f"cell/shaft/{shaft}")
-        assert len(told) >= 1000
+        assert [time for time, _ in told] == [0, 501 * STEP_NS, 1501 * STEP_NS]
         for time, content in told:
             before, since = time < 501 * STEP_NS, time - 500 * STEP_NS
             wanted = (time * TURN // SECOND, TURN) if before else (10 * TURN - 2 * TURN * since // SECOND, -2 * TURN)
             angle, speed = struct.unpack("<qq", content)
             assert abs(angle - wanted[0] // ratio) <= 1 and speed == wanted[1] // ratio, (shaft, time)
+
+
+def test_a_shaft_that_does_not_go_on_as_said_is_said_in_each_step(run):
+    """A sine, until somebody stops it."""
+    def step(master, k):
+        if k == 100:
+            master.publish("cell/shaft/motor/turn", SHAFT, struct.pack("<qq", 0, 0))
+
+    def prepare(master):
+        master.subscribe("cell/shaft/motor", SHAFT)
+        master.publish("cell/shaft/motor/turn", SHAFT)
+
+    master = run("[shaft motor]\nmotion = SINE:30DEG,2S\n" + one("f3668", "CAN1"), 1000, step, prepare)
+    told = of(master, "cell/shaft/motor")
+    assert [time // STEP_NS for time, _ in told] == [*range(102)]
 
 
 def test_wrong_lengths_are_said_once(registry, tmp_path, rig, join):
@@ -268,7 +284,7 @@ def test_wrong_lengths_are_said_once(registry, tmp_path, rig, join):
 
 
 TWO = {
-    "left": "[shaft s]\nmotion = 60RPM\n" + bus("CAN1", ("a", "f3668", "node = 5"), ("b", "f3658", "node = 6"),
+    "left": "[shaft s]\nmotion = SINE:30DEG,2S\n" + bus("CAN1", ("a", "f3668", "node = 5"), ("b", "f3658", "node = 6"),
                                                 more="trace = left.log\n") +
             bus("LINE", ("c", "s3684-rs485"), ("d", "s3684-rs485", "address = 0x41"), more="trace = line.vcd\n"),
     "right": "[shaft s]\nmotion = 120RPM\n" + bus("CAN1", ("e", "f3668", "node = 7"), more="trace = right.log\n") +
@@ -295,7 +311,8 @@ def two_rigs(folder, keys=""):
     rigs = []
     try:
         master.can("CAN1")
-        for topic, media in (("LINE/reply", CHARACTERS), ("CHAIN/frame", FRAME), ("right/shaft/s", SHAFT)):
+        for topic, media in (("LINE/reply", CHARACTERS), ("CHAIN/frame", FRAME), ("left/shaft/s", SHAFT),
+                             ("right/shaft/s", SHAFT)):
             master.subscribe(topic, media)
         for topic, media in (("LINE/request", CHARACTERS), ("right/shaft/s/turn", SHAFT)):
             master.publish(topic, media)

@@ -395,6 +395,31 @@ static void topics_carry_what_goes_over_lines(void **state)
     close_bench(&bench);
 }
 
+/* But once a second, and when it is turned, which is turning what it drives. */
+static void a_shaft_that_goes_on_as_said_is_not_said_again(void **state)
+{
+    static const struct {
+        uint64_t ms;
+        unsigned count;
+        bool turns;
+    } rows[] = {{1, 1, false},    {2, 1, true},     {3, 2, false},    {999, 2, false},
+                {1002, 2, false}, {1003, 3, false}, {2002, 3, false}, {2003, 4, false}};
+    static const uint8_t turn[16] = {[12] = 1};
+    struct bench bench;
+    (void)state;
+    open_bench(&bench, "", NULL);
+    begin(&bench);
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
+        step(&bench, rows[i].ms * MS);
+        assert_int_equal(topic(&bench, "cell/shaft/motor")->count, rows[i].count);
+        assert_int_equal(topic(&bench, "cell/shaft/axis")->count, rows[i].count);
+        if (rows[i].turns) {
+            publish(&bench, rows[i].ms * MS, "cell/shaft/motor/turn", turn, sizeof turn);
+        }
+    }
+    close_bench(&bench);
+}
+
 static void other_lengths_are_left_out(void **state)
 {
     static const uint8_t junk[5000];
@@ -565,6 +590,7 @@ int main(void)
         cmocka_unit_test(another_clock_has_an_order),
         cmocka_unit_test(states_of_the_controller_are_the_encoders),
         cmocka_unit_test(topics_carry_what_goes_over_lines),
+        cmocka_unit_test(a_shaft_that_goes_on_as_said_is_not_said_again),
         cmocka_unit_test(other_lengths_are_left_out),
         cmocka_unit_test(what_comes_late_or_twice_harms_nobody),
         cmocka_unit_test(it_ends_as_the_others_do),
