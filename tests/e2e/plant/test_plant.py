@@ -55,7 +55,7 @@ def wrapped(tmp_path):
 
 def test_ten_thousand_encoders(capsys):
     result = run("--ms", str(MS))
-    assert figure(result, "encoders").startswith("10000 = 4 rigs x 20 buses x 125 nodes")
+    assert figure(result, "encoders").startswith("10000 = 1 rigs x 80 buses x 125 nodes")
     assert figure(result, "positions") == f"{MS // 100 * 10000} checked, 0 wrong"
     for name in ("start-up", "memory", "virtual s per s", "steps/s", "frames/s", "processor", "a frame"):
         assert re.search(r"\d", figure(result, name))
@@ -69,13 +69,19 @@ def test_other_steps():
     assert figure(result, "positions") == f"{300 * 2 * 2 * 3} checked, 0 wrong"
 
 
-def test_messages_one_by_one():
-    """Rigs and master without SIL Kit's aggregation."""
-    result = run(*SMALL, "--aggregate", "0")
+@pytest.mark.parametrize("arguments", [("--frames", "can"), ("--aggregate", "0"), ("--frames", "can", "--aggregate", "0")])
+def test_messages_of_other_kinds(arguments):
+    """Frames on CAN networks, and what is sent without SIL Kit's aggregation."""
+    result = run(*SMALL, *arguments)
     assert figure(result, "positions") == "36 checked, 0 wrong"
-    text = run(*SMALL, "--aggregate", "0", "--rig", "0", "--registry", "silkit://a:1").stdout
-    assert text.count("\naggregate = 0\n") == text.count("[bus ") == 2
-    assert "aggregate" not in run(*SMALL, "--rig", "0", "--registry", "silkit://a:1").stdout
+
+
+def test_rig_files_of_other_kinds():
+    rig = (*SMALL, "--rig", "0", "--registry", "silkit://a:1")
+    plain = run(*rig, "--frames", "can", "--aggregate", "0").stdout
+    assert plain.count("\naggregate = 0\n") == plain.count("[bus ") == 2 and "frames = " not in plain
+    usual = run(*rig).stdout
+    assert usual.count("\nframes = packed\n") == usual.count("[bus ") == 2 and "aggregate" not in usual
 
 
 def test_several_machines():
@@ -108,8 +114,9 @@ def wait_for_port(port, process):
     ("s/^node = 1..3/node = 1..2/", r"step \d+: bus\d+: 283h is missing"),
     ("s/^shaft = s1/shaft = s0/", r"step \d+: bus1: 28[123]h tells [0-9a-f]{8}, not [0-9a-f]{8}"),
 ])
-def test_what_is_wrong_is_found(wrapped, edit, complaint):
-    result = run(*SMALL, program=wrapped(edit))
+@pytest.mark.parametrize("frames", ["packed", "can"])
+def test_what_is_wrong_is_found(wrapped, edit, complaint, frames):
+    result = run(*SMALL, "--frames", frames, program=wrapped(edit))
     assert result.returncode == 1
     assert re.search(complaint, result.stderr), result.stderr
     assert not re.search(r"checked, 0 wrong", result.stdout)
@@ -123,8 +130,8 @@ def test_a_rig_that_does_not_start(wrapped):
 
 def test_what_it_started_ends_with_it(wrapped, tmp_path):
     (tmp_path / "tmp").mkdir()
-    with subprocess.Popen(command("--ms", "1000000", program=wrapped("s/a/a/")), stdin=subprocess.DEVNULL, text=True,
-                          stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
+    four = command("--processes", "4", "--buses", "20", "--ms", "1000000", program=wrapped("s/a/a/"))
+    with subprocess.Popen(four, stdin=subprocess.DEVNULL, text=True, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
                           env={**os.environ, "TMPDIR": str(tmp_path / "tmp")}) as plant:
         assert re.match(r"plant: step \d+ of 1000\d+, \d+ positions checked, 0 wrong, \d+ s", plant.stderr.readline())
         pids = [int(line) for line in (tmp_path / "pids").read_text().split()]
@@ -188,10 +195,10 @@ def test_rigs_that_hear_nothing_are_waited_for_together(tmp_path):
     (("--registry", "foo", "--rig", "0"), {}, "--registry foo: silkit://HOST:PORT is right"),
     (("--processes", "1000"), {}, "256 processes at most"),
     (("--here", "3..1"), {}, "invalid numbers value: '3..1'"),
-    (("--here", "3..4"), {}, "the rigs of 4 processes are 0..3"),
-    (("--here=-1",), {}, "the rigs of 4 processes are 0..3"),
-    (("--rig", "4", "--registry", "silkit://a:1"), {}, "the rigs of 4 processes are 0..3"),
-    (("--rig", "-1", "--registry", "silkit://a:1"), {}, "the rigs of 4 processes are 0..3"),
+    (("--processes", "4", "--here", "3..4"), {}, "the rigs of 4 processes are 0..3"),
+    (("--processes", "4", "--here=-1"), {}, "the rigs of 4 processes are 0..3"),
+    (("--processes", "4", "--rig", "4", "--registry", "silkit://a:1"), {}, "the rigs of 4 processes are 0..3"),
+    (("--processes", "4", "--rig", "-1", "--registry", "silkit://a:1"), {}, "the rigs of 4 processes are 0..3"),
     (("--sync-ms", "3"), {}, "SYNC comes each fourth step at most"),
 ])
 def test_what_cannot_be(arguments, environment, complaint):
@@ -203,8 +210,8 @@ def test_a_rig_file_by_itself(tmp_path):
     """For rigs that somebody else starts: the command takes it as far as the registry, which is not there."""
     registry = f"silkit://127.0.0.1:{free_port()}"
     file = tmp_path / "plant-3.ini"
-    file.write_text(subprocess.run(command("--rig", "3", "--registry", registry), check=True, capture_output=True,
-                                   text=True, timeout=PATIENCE_S).stdout)
+    file.write_text(subprocess.run(command("--processes", "4", "--buses", "20", "--rig", "3", "--registry", registry),
+                                   check=True, capture_output=True, text=True, timeout=PATIENCE_S).stdout)
     assert len(file.read_text().splitlines()) < 250
     result = subprocess.run([PROGRAM, "run", str(file)], capture_output=True, text=True, timeout=PATIENCE_S)
     assert result.returncode == 1 and "silkit:silkit://127.0.0.1:" in result.stderr, result.stderr

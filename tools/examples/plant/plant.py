@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""A plant: 10 000 CANopen encoders as 4 rigs of 20 buses with 125 nodes each, in one SIL Kit simulation with its master,
-which turns a shaft for each bus, says SYNC on it, and checks each position that it is told against that shaft.
+"""A plant: 10 000 CANopen encoders as a rig of 80 buses with 125 nodes each, in one SIL Kit simulation with its master,
+which turns a shaft for each bus, says SYNC on it, and checks each position that it is told against that shaft. The
+frames of a bus travel packed, those of a step in one message.
 
 Prints what it took. The status is 1 when a position was wrong or missing. Needs the command drehgeber and
 SIL Kit's libSilKit.so, which README.md says how to get.
@@ -72,6 +73,7 @@ def rig_file(rig: int, plant: argparse.Namespace, uri: str) -> str:
     buses = range(rig * plant.buses, (rig + 1) * plant.buses)
     text += [f"[shaft s{bus}]\n" for bus in buses]
     keys = f"step_us = {plant.step_us}\n" + ("" if plant.aggregate else "aggregate = 0\n")
+    keys += "" if plant.frames == "can" else f"frames = {plant.frames}\n"
     for bus in buses:
         text.append(
             f"[bus b{bus}]\nwire = silkit\naddress = {uri},bus{bus}\n{keys}"
@@ -138,13 +140,19 @@ class Workflow(Structure):
 ON_LIFE = CFUNCTYPE(None, c_void_p, c_void_p)
 ON_ABORT = CFUNCTYPE(None, c_void_p, c_void_p, c_int16)
 ON_STEP = CFUNCTYPE(None, c_void_p, c_void_p, c_uint64, c_uint64)
-ON_FRAME = CFUNCTYPE(None, c_void_p, c_void_p, c_void_p)
+ON_FRAME = ON_DATA = CFUNCTYPE(None, c_void_p, c_void_p, c_void_p)
 COORDINATED, RECEIVED = 10, 2
 SHAFT = b"application/vnd.drehgeber.shaft.v1"
+PACKED = b"application/vnd.drehgeber.can.v1"
+# A packed message: moment of its first frame, number of frames, 0; then of each its offset, identifier, DLC, 0, and data.
+PACK_HEAD, PACK_FRAME = struct.Struct("<QHH"), struct.Struct("<IHBB")
 # Where a SilKit_CanFrameEvent has its frame, and that its identifier and bytes.
 EVENT_FRAME = ctypes.sizeof(Header) + 8
 FRAME_ID, FRAME_DATA = Frame.id.offset, Frame.data.offset
 ID_AND_DATA = struct.Struct(f"=I{FRAME_DATA - FRAME_ID - 4}xQ")
+# Where a SilKit_DataMessageEvent has its bytes: the address, how many.
+EVENT_BYTES = ctypes.sizeof(Header) + 8
+ADDRESS_AND_SIZE = struct.Struct("=QQ")
 
 
 class Kit:
@@ -201,11 +209,13 @@ class Bus:
         self.turn = turn  # the step of a period in which it is started, and then hears SYNC
         self.shaft = Shaft(number)
         self.expected = b""  # what every node is to tell
+        self.said = 0  # when they were asked to
+        self.answers = b""  # all of them in a packed message, in the order of their identifiers
         self.missing: set[int] = set()  # identifiers that have not told it yet
 
 
 class Master:
-    """A participant with a controller on each bus."""
+    """A participant with a controller on each bus, or with the two topics of a packed one."""
 
     def __init__(self, kit: Kit, plant: argparse.Namespace, uri: str):
         self.kit, self.plant = kit, plant
@@ -214,12 +224,14 @@ class Master:
         self.started = self.booted + max(self.period, STARTED_MS * 1000 // plant.step_us)
         self.ends = self.started + plant.ms * 1000 // plant.step_us
         self.whole = self.ends + ANSWER_STEPS
+        self.packed = plant.frames == "packed"
         self.ids = frozenset(range(TPDO2 + 1, TPDO2 + 1 + plant.nodes))
+        self.fronts = [*(PACK_FRAME.pack(0, identifier, 4, 0) for identifier in sorted(self.ids)), b""]
         self.buses = [Bus(i, i * self.period // plant.all) for i in range(plant.all)]
         self.turns: dict[int, list[Bus]] = {}
         for bus in self.buses:
             self.turns.setdefault(bus.turn, []).append(bus)
-        self.step = self.syncs = self.checked = self.wrong = self.frames = 0
+        self.step = self.now = self.syncs = self.checked = self.wrong = self.frames = 0
         self.complaints: list[str] = []
         self.begin = self.end = 0.0
         self.ready, self.over = threading.Event(), threading.Event()
@@ -246,8 +258,9 @@ class Master:
         kit.call("TimeSyncService_Create", ctypes.byref(clock), self.life)
         self.kit.kept.append(on_step := ON_STEP(self._on_step))
         kit.call("TimeSyncService_SetSimulationStepHandler", clock, None, on_step, c_uint64(self.plant.step_us * 1000))
-        self.controllers = [self._controller(bus.number) for bus in self.buses]
-        self.publishers = [self._publisher(bus.number) for bus in self.buses]
+        make = self._topics if self.packed else self._controller
+        self.wires = [make(bus.number) for bus in self.buses]
+        self.publishers = [self._shaft(bus.number) for bus in self.buses]
         kit.call("LifecycleService_StartLifecycle", self.life)
 
     def _controller(self, bus: int) -> c_void_p:
@@ -260,9 +273,21 @@ class Master:
         )
         return made
 
-    def _publisher(self, bus: int) -> c_void_p:
-        made, topic = c_void_p(), f"plant-{bus // self.plant.buses}/shaft/s{bus}/turn".encode()
-        spec = Spec(Header(version(5, 2)), topic, SHAFT)
+    def _topics(self, bus: int) -> c_void_p:
+        made, topic, on_pack = c_void_p(), f"bus{bus}/frames".encode(), ON_DATA(self._on_pack)
+        spec = Spec(Header(version(5, 2)), topic, PACKED)
+        self.kit.kept.append(on_pack)
+        self.kit.call(
+            "DataSubscriber_Create", ctypes.byref(made), self.participant, topic, ctypes.byref(spec), c_void_p(bus), on_pack
+        )
+        return self._publisher(f"bus{bus}/frames/to", PACKED)
+
+    def _shaft(self, bus: int) -> c_void_p:
+        return self._publisher(f"plant-{bus // self.plant.buses}/shaft/s{bus}/turn", SHAFT)
+
+    def _publisher(self, name: str, media_type: bytes) -> c_void_p:
+        made, topic = c_void_p(), name.encode()
+        spec = Spec(Header(version(5, 2)), topic, media_type)
         self.kit.call(
             "DataPublisher_Create", ctypes.byref(made), self.participant, topic, ctypes.byref(spec), c_uint8(0)
         )
@@ -274,22 +299,46 @@ class Master:
         # Python makes a state for a thread that calls it, and drops it afterwards; one that is held once more stays,
         # and a frame costs half as much.
         ctypes.pythonapi.PyGILState_Ensure()
-        for controller in self.controllers:
-            self.kit.call("CanController_Start", controller)
+        for wire in self.wires if not self.packed else ():
+            self.kit.call("CanController_Start", wire)
         self.ready.set()
 
     def _on_frame(self, number: int | None, _controller: int, event: int) -> None:
         frame = c_uint64.from_address(event + EVENT_FRAME).value
         identifier, data = ID_AND_DATA.unpack(ctypes.string_at(frame + FRAME_ID, ID_AND_DATA.size))
         self.frames += 1
+        if identifier in self.ids:
+            bus = self.buses[number or 0]
+            self._check(bus, identifier, ctypes.string_at(data, 4), bus.said)
+
+    def _on_pack(self, number: int | None, _subscriber: int, event: int) -> None:
         bus = self.buses[number or 0]
-        if identifier in bus.missing:
-            bus.missing.discard(identifier)
-            self.checked += 1
-            if ctypes.string_at(data, 4) != bus.expected:
-                self._wrong(bus, f"{identifier:03X}h tells {ctypes.string_at(data, 4).hex()}, not {bus.expected.hex()}")
-        elif identifier in self.ids and bus.expected:
-            self._wrong(bus, f"{identifier:03X}h without SYNC")
+        address, size = ADDRESS_AND_SIZE.unpack(ctypes.string_at(event + EVENT_BYTES, ADDRESS_AND_SIZE.size))
+        message = ctypes.string_at(address, size)
+        begin, count, _ = PACK_HEAD.unpack_from(message)
+        self.frames += count
+        if begin == bus.said and len(bus.missing) == count and message[PACK_HEAD.size :] == bus.answers:
+            self.checked += count  # all of them at once, which is what a plant without faults sends
+            bus.missing = set()
+            return
+        at = PACK_HEAD.size
+        for _ in range(count):
+            offset, identifier, dlc, _ = PACK_FRAME.unpack_from(message, at)
+            at += PACK_FRAME.size + dlc
+            if identifier in self.ids:
+                self._check(bus, identifier, message[at - dlc : at], begin + offset)
+
+    def _check(self, bus: Bus, identifier: int, told: bytes, at_ns: int) -> None:
+        if identifier not in bus.missing:
+            if bus.expected:
+                self._wrong(bus, f"{identifier:03X}h without SYNC")
+            return
+        bus.missing.discard(identifier)
+        self.checked += 1
+        if told != bus.expected:
+            self._wrong(bus, f"{identifier:03X}h tells {told.hex()}, not {bus.expected.hex()}")
+        elif at_ns != bus.said:
+            self._wrong(bus, f"{identifier:03X}h is of {at_ns} ns, not of {bus.said} ns")
 
     def _wrong(self, bus: Bus, what: str) -> None:
         self.wrong += 1
@@ -305,6 +354,7 @@ class Master:
             self.over.set()
 
     def _take_step(self, now: int) -> None:
+        self.now = now
         if self.step == self.started:
             self.begun()
             self.frames = 0
@@ -330,11 +380,11 @@ class Master:
     def _sync(self, bus: Bus, now: int) -> None:
         self._all_heard(bus)
         bus.missing = set(self.ids)
-        bus.expected = bus.shaft.position(now)
+        bus.expected, bus.said = bus.shaft.position(now), now
+        bus.answers = bus.expected.join(self.fronts)
         self.syncs += 1
         self._send(bus, SYNC, b"")
-        turn = bus.shaft.turn(now)
-        self.kit.call("DataPublisher_Publish", self.publishers[bus.number], ctypes.byref(Bytes(turn, len(turn))))
+        self._publish(self.publishers[bus.number], bus.shaft.turn(now))
 
     def _all_heard(self, bus: Bus) -> None:
         for identifier in sorted(bus.missing):
@@ -342,9 +392,16 @@ class Master:
         bus.missing = set()
 
     def _send(self, bus: Bus, identifier: int, data: bytes) -> None:
+        wire = self.wires[bus.number]
+        if self.packed:
+            self._publish(wire, PACK_HEAD.pack(self.now, 1, 0) + PACK_FRAME.pack(0, identifier, len(data), 0) + data)
+            return
         frame = Frame(Header(version(1, 1)), identifier, 0, len(data))
         frame.data, frame.size = data, len(data)
-        self.kit.call("CanController_SendFrame", self.controllers[bus.number], ctypes.byref(frame), None)
+        self.kit.call("CanController_SendFrame", wire, ctypes.byref(frame), None)
+
+    def _publish(self, publisher: c_void_p, message: bytes) -> None:
+        self.kit.call("DataPublisher_Publish", publisher, ctypes.byref(Bytes(message, len(message))))
 
     def close(self) -> None:
         """Leave the simulation."""
@@ -551,12 +608,15 @@ def library() -> str:
 def options() -> argparse.Namespace:
     """What is asked for."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--processes", type=int, default=4, help="rigs of the whole plant (4)")
-    parser.add_argument("--buses", type=int, default=20, help="of a rig (20)")
+    parser.add_argument("--processes", type=int, default=1, help="rigs of the whole plant (1)")
+    parser.add_argument("--buses", type=int, default=80, help="of a rig (80)")
     parser.add_argument("--nodes", type=int, default=125, help="of a bus (125)")
     parser.add_argument("--ms", type=int, default=1000, help="virtual time, from the first SYNC on (1000)")
     parser.add_argument("--step-us", type=int, default=1000, help="a step of the simulation (1000)")
     parser.add_argument("--sync-ms", type=int, default=100, help="SYNC on a bus each (100): half of what 250 kBd carry")
+    parser.add_argument(
+        "--frames", choices=("packed", "can"), default="packed", help="on a topic, packed, or on CAN networks (packed)"
+    )
     parser.add_argument(
         "--aggregate", type=int, choices=(0, 1), default=1, help="0: a message of its own for each frame (1: for each step)"
     )
