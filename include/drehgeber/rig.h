@@ -35,6 +35,8 @@ extern "C" {
 #define DG_PLAN_LINE_MAX 198u
 /** Control addresses of a rig. */
 #define DG_PLAN_CONTROLS_MAX 4u
+/** Threads a rig may have. */
+#define DG_PLAN_THREADS_MAX 64u
 /** Models that a model stands on, with the built-in one. */
 #define DG_PLAN_BASES_MAX 4u
 /** Files that include each other, with the first one. */
@@ -172,6 +174,7 @@ struct dg_plan {
     const char *name;  /**< of the rig: the file's without its ending, or of the model */
     const char *files; /**< the folder for files that clients name; NULL: none */
     dg_plan_line files_line;
+    uint32_t threads; /**< that may step the buses of a rig; 0: nothing is said of it */
     struct dg_plan_control controls[DG_PLAN_CONTROLS_MAX]; /**< none: the host's default */
     size_t control_count;
     struct dg_plan_shaft *shafts;

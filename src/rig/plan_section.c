@@ -3,8 +3,11 @@
  * A row for each kind of section. What a section refers to stands above it, so that each can be
  * checked when it ends, with all that it may clash with.
  */
+#include "drehgeber/key.h"
 #include "drehgeber/shaft.h"
 #include "rig_private.h"
+
+#define RIGHT_ROOM 64u
 
 /* ---------------------------------------------------------------- words */
 
@@ -264,10 +267,34 @@ static int take_name(struct rig_reader *in, const struct dg_plan_setting *name)
     return 0;
 }
 
+/* Those of the first [rig] that names some. */
+static int take_threads(struct rig_reader *in, const struct dg_plan_setting *threads)
+{
+    static const struct dg_key row = {"threads",           "",   0, DG_KEY_U32, 0, 1, 1,
+                                      DG_PLAN_THREADS_MAX, NULL, ""};
+    uint32_t count = 0;
+    char right[RIGHT_ROOM];
+    struct dg_text text = dg_text_in(right, sizeof right);
+
+    if (threads == NULL) {
+        return 0;
+    }
+    if (dg_key_set(&row, &count, threads->value) != DG_OK) {
+        dg_key_say_right(&row, &text);
+        return dg_plan_wrong_word(in, threads, RIG_SAY(right), RIG_SAY(threads->value, " is none"));
+    }
+    in->plan->threads = in->plan->threads == 0 ? count : in->plan->threads;
+    return 0;
+}
+
 static int take_rig(struct rig_reader *in, const struct rig_section *self)
 {
     const struct dg_plan_setting *files = dg_plan_word(self, "files");
     int result = take_name(in, dg_plan_word(self, "name"));
+
+    if (result == 0) {
+        result = take_threads(in, dg_plan_word(self, "threads"));
+    }
 
     if (result == 0 && files != NULL && in->plan->files == NULL) {
         in->plan->files_line = files->line;
@@ -285,6 +312,7 @@ static int take_rig(struct rig_reader *in, const struct rig_section *self)
 /* ---------------------------------------------------------------- the kinds */
 
 _Static_assert(DG_PLAN_CONTROLS_MAX == 4u, "as the help of the rows has it");
+_Static_assert(DG_PLAN_THREADS_MAX == 64u, "likewise");
 _Static_assert(DG_PLAN_DEPTH_MAX == 8u, "likewise");
 _Static_assert(DG_PLAN_INCLUDED_MAX == 1u << 20, "likewise");
 _Static_assert(DG_SHAFT_GEARS_MAX == 8u, "likewise");
@@ -307,6 +335,13 @@ static const struct rig_key rig_keys[] = {
         .takes = "DIR",
         .usual = "the working directory, and nothing for clients over TCP",
         .help = "the folder for files that clients name; --files goes before it",
+    },
+    {
+        .name = "threads",
+        .takes = "1..64",
+        .usual = "1",
+        .help = "that step packed buses of a simulation beside each other; how many there are "
+                "changes nothing of what the rig does",
     },
     {
         .name = "include",

@@ -14,20 +14,31 @@
 /* Of virtual time: always the same, so that what goes by it is, and not 0, which is never. */
 #define BEGAN DG_S(1)
 
-/* Time is one for the process, as the machine's clock is: the only state here that is nobody's. */
-static struct {
-    bool own;
+struct lx_strand {
     dg_ns now;
     struct lx_timer **waiting; /* owned: a heap, from 1 on; [n / 2] goes before [n] */
     size_t count;              /* that wait */
     size_t open;               /* that could */
     size_t capacity;           /* for so many there is room */
     uint64_t turn;
+};
+
+/* Time is one for the process, as the machine's clock is: the only state here that is nobody's. */
+static struct {
+    bool own;
+    struct lx_strand all;
 } virtual_;
+/* ... but of a thread that has entered a strand. */
+static _Thread_local struct lx_strand *entered;
+
+static struct lx_strand *here(void)
+{
+    return entered != NULL ? entered : &virtual_.all;
+}
 
 dg_ns lx_now(void)
 {
-    return virtual_.own ? virtual_.now : lx_real_now();
+    return virtual_.own ? here()->now : lx_real_now();
 }
 
 dg_ns lx_real_now(void)
@@ -41,7 +52,7 @@ dg_ns lx_real_now(void)
 
 void lx_time_own(void)
 {
-    virtual_.now = BEGAN;
+    virtual_.all.now = BEGAN;
     virtual_.own = true;
 }
 
@@ -49,7 +60,7 @@ uint64_t lx_time_of_day(void)
 {
     struct timespec now;
     if (virtual_.own) {
-        return virtual_.now - BEGAN;
+        return here()->now - BEGAN;
     }
     (void)clock_gettime(CLOCK_REALTIME, &now);
     return DG_S(now.tv_sec) + (uint64_t)now.tv_nsec;
@@ -62,19 +73,20 @@ static bool goes_before(const struct lx_timer *a, const struct lx_timer *b)
 
 static void put(struct lx_timer *self, size_t place)
 {
-    virtual_.waiting[place] = self;
+    self->strand->waiting[place] = self;
     self->place = place;
 }
 
 /* `place` is free, and what is before and behind it in order: put it there, or where it belongs. */
 static void settle(struct lx_timer *self, size_t place)
 {
-    struct lx_timer **heap = virtual_.waiting;
+    struct lx_timer **heap = self->strand->waiting;
+    const size_t count = self->strand->count;
     for (; place > 1u && goes_before(self, heap[place / 2u]); place /= 2u) {
         put(heap[place / 2u], place);
     }
-    for (size_t next = 2u * place; next <= virtual_.count; next = 2u * place) {
-        next += next < virtual_.count && goes_before(heap[next + 1u], heap[next]) ? 1u : 0u;
+    for (size_t next = 2u * place; next <= count; next = 2u * place) {
+        next += next < count && goes_before(heap[next + 1u], heap[next]) ? 1u : 0u;
         if (!goes_before(heap[next], self)) {
             break;
         }
@@ -86,11 +98,12 @@ static void settle(struct lx_timer *self, size_t place)
 
 static void leave(struct lx_timer *self)
 {
+    struct lx_strand *strand = self->strand;
     const size_t place = self->place;
     if (place == 0) {
         return;
     }
-    struct lx_timer *last = virtual_.waiting[virtual_.count--];
+    struct lx_timer *last = strand->waiting[strand->count--];
     self->place = 0;
     if (last != self) {
         settle(last, place);
@@ -99,48 +112,98 @@ static void leave(struct lx_timer *self)
 
 static void join(struct lx_timer *self)
 {
-    self->turn = virtual_.turn++;
-    settle(self, ++virtual_.count);
+    self->turn = self->strand->turn++;
+    settle(self, ++self->strand->count);
 }
 
 /* Room for all that are open: who asks later does not have to be told that there is none. */
-static int make_room(void)
+static int make_room(struct lx_strand *self)
 {
-    if (virtual_.open == virtual_.capacity) {
-        const size_t capacity = virtual_.capacity == 0 ? 64u : 2u * virtual_.capacity;
+    if (self->open == self->capacity) {
+        const size_t capacity = self->capacity == 0 ? 64u : 2u * self->capacity;
         struct lx_timer **waiting =
-            reallocarray(virtual_.waiting, capacity + 1u, sizeof(struct lx_timer *));
+            reallocarray(self->waiting, capacity + 1u, sizeof(struct lx_timer *));
         if (waiting == NULL) {
             return -ENOMEM;
         }
-        virtual_.waiting = waiting;
-        virtual_.capacity = capacity;
+        self->waiting = waiting;
+        self->capacity = capacity;
     }
-    virtual_.open++;
+    self->open++;
     return 0;
 }
 
-static void give_back(void)
+static void give_back(struct lx_strand *self)
 {
-    if (--virtual_.open == 0) {
-        free(virtual_.waiting);
-        virtual_.waiting = NULL;
-        virtual_.capacity = 0;
+    if (--self->open == 0) {
+        free(self->waiting);
+        self->waiting = NULL;
+        self->capacity = 0;
     }
 }
 
 bool lx_time_pass(dg_ns end)
 {
-    struct lx_timer *timer = virtual_.count > 0 ? virtual_.waiting[1] : NULL;
+    struct lx_strand *self = here();
+    struct lx_timer *timer = self->count > 0 ? self->waiting[1] : NULL;
     if (timer == NULL || timer->at > end) {
-        virtual_.now = end;
+        self->now = end;
         return false;
     }
-    virtual_.now = timer->at > virtual_.now ? timer->at : virtual_.now;
+    self->now = timer->at > self->now ? timer->at : self->now;
     leave(timer);
     timer->at = DG_NEVER;
-    timer->due(timer->ctx, virtual_.now);
+    timer->due(timer->ctx, self->now);
     return true;
+}
+
+/* --- strands --- */
+
+struct lx_strand *lx_strand_new(void)
+{
+    struct lx_strand *self = calloc(1, sizeof *self);
+    if (self != NULL) {
+        self->now = virtual_.all.now;
+    }
+    return self;
+}
+
+void lx_strand_free(struct lx_strand *self)
+{
+    free(self);
+}
+
+void lx_strand_enter(struct lx_strand *self)
+{
+    entered = self;
+}
+
+dg_ns lx_strand_next(const struct lx_strand *self)
+{
+    const struct lx_strand *strand = self != NULL ? self : &virtual_.all;
+    return strand->count > 0 ? strand->waiting[1]->at : DG_NEVER;
+}
+
+void lx_strand_skip(struct lx_strand *self, dg_ns now)
+{
+    self->now = now;
+}
+
+int lx_timer_move(struct lx_timer *self, struct lx_strand *to)
+{
+    struct lx_strand *from = self->strand;
+    struct lx_strand *strand = to != NULL ? to : &virtual_.all;
+    const bool waits = self->place != 0;
+    if (make_room(strand) != 0) {
+        return -ENOMEM;
+    }
+    leave(self);
+    give_back(from);
+    self->strand = strand;
+    if (waits) {
+        join(self);
+    }
+    return 0;
 }
 
 /* --- timers --- */
@@ -160,8 +223,8 @@ int lx_timer_open(struct lx_timer *self, sd_event *event, void (*due)(void *ctx,
 {
     *self = (struct lx_timer){.due = due, .ctx = ctx, .at = DG_NEVER};
     if (virtual_.own) {
-        self->virtual_ = make_room() == 0;
-        return self->virtual_ ? 0 : -ENOMEM;
+        self->strand = make_room(&virtual_.all) == 0 ? &virtual_.all : NULL;
+        return self->strand != NULL ? 0 : -ENOMEM;
     }
     int result =
         sd_event_add_time(event, &self->source, CLOCK_MONOTONIC, 0, ACCURACY_US, on_time, self);
@@ -209,9 +272,9 @@ void lx_timer_at(struct lx_timer *self, dg_ns at)
 void lx_timer_close(struct lx_timer *self)
 {
     leave(self);
-    if (self->virtual_) {
-        self->virtual_ = false;
-        give_back();
+    if (self->strand != NULL) {
+        give_back(self->strand);
+        self->strand = NULL;
     }
     self->source = sd_event_source_disable_unref(self->source);
 }

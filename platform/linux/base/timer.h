@@ -29,14 +29,36 @@ void lx_time_own(void);
  * is `end` */
 bool lx_time_pass(dg_ns end);
 
+/**
+ * A strand of virtual time: deadlines that concern nobody but who asked for them. While the
+ * process's time stands still, a strand is taken up to it, on any thread; a thread that has entered
+ * one has its time, and lx_time_pass() is about its deadlines.
+ */
+struct lx_strand;
+
+/** At the process's time. @return NULL without memory */
+struct lx_strand *lx_strand_new(void);
+
+/** Give it back, when no timer is in it; NULL is fine. */
+void lx_strand_free(struct lx_strand *self);
+
+/** This thread has the time of `self` from here on; NULL: that of the process. */
+void lx_strand_enter(struct lx_strand *self);
+
+/** The first deadline in it; NULL: of the process itself. DG_NEVER: there is none. */
+dg_ns lx_strand_next(const struct lx_strand *self);
+
+/** Nothing in it is due up to `now`, and that is its time. */
+void lx_strand_skip(struct lx_strand *self, dg_ns now);
+
 /** One deadline. */
 struct lx_timer {
     sd_event_source *source;
     void (*due)(void *ctx, dg_ns now); /**< called once at the deadline, `now` never before it */
     void *ctx;
     dg_ns at;
-    bool virtual_; /**< it was opened in virtual time, */
-    size_t place;  /**< and has this place among those who wait, from 1; 0: it does not wait */
+    struct lx_strand *strand; /**< it was opened in virtual time; NULL: in real time */
+    size_t place;  /**< its place among those who wait there, from 1; 0: it does not wait */
     uint64_t turn; /**< whose turn it is at the same moment */
     bool overdue;  /**< it was when it was set: then it waits for its turn */
 };
@@ -49,6 +71,10 @@ int lx_timer_open(struct lx_timer *self, sd_event *event, void (*due)(void *ctx,
  * input, so that a flood does not hold it up; one that is over already comes in turn with it, so
  * that somebody who is always late does not hold up the rest. */
 void lx_timer_at(struct lx_timer *self, dg_ns at);
+
+/** Virtual time: it is in `to` from here on, NULL: in that of the process. @return 0; or a negative
+ * errno, then it stays where it was */
+int lx_timer_move(struct lx_timer *self, struct lx_strand *to);
 
 /** Take it off the loop; also when it was never opened. */
 void lx_timer_close(struct lx_timer *self);

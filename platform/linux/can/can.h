@@ -18,6 +18,7 @@
 
 #include "drehgeber/bus_frames.h"
 #include "say.h"
+#include "tap.h"
 #include "timer.h"
 
 /** Longest address of a bus: a path. */
@@ -81,7 +82,9 @@ struct lx_can_kind {
 /** What a bus is made of. Everything pointed to must outlive it. */
 struct lx_can_setup {
     sd_event *event;
-    struct lx_silkit *silkit; /**< the rig in a simulation, for a bus of one */
+    struct lx_silkit *silkit; /**< the rig in a simulation, for a bus of one: */
+    struct lx_timer *timer;   /**< ... what it waits for, */
+    const struct lx_tap *tap; /**< ... and who listens to it */
     const struct lx_say *say;
     const char *where; /**< interface or link; NULL: a link is not wanted */
     /** A frame came in at `now`, which may lie in the past and never decreases. */

@@ -195,6 +195,8 @@ static int open_wire(struct lx_can_bus *self, struct lx_error *error)
     const struct lx_can_setup can = {
         .event = setup->event,
         .silkit = setup->silkit,
+        .timer = &self->timer,
+        .tap = &self->bus.tap,
         .say = setup->say,
         .where = setup->wire->where,
         .rx = on_frame,

@@ -50,13 +50,10 @@ static void flush(void *ctx, dg_ns now)
     }
 }
 
+/* A message has room for more than a bus carries in the longest step. */
 static void pack(struct silkit_can *self, const struct dg_can_frame *frame)
 {
     const uint64_t at = lx_silkit_time_at(self->port.all, lx_now());
-    if (lx_silkit_pack_add(&self->pack, at, frame)) {
-        return;
-    }
-    flush(self, lx_now());
     self->can.counters.lost += lx_silkit_pack_add(&self->pack, at, frame) ? 0u : 1u;
 }
 
@@ -222,6 +219,8 @@ static int start_packed(struct lx_can *can, struct lx_error *error)
         return -1;
     }
     self->port.packed = true;
+    self->port.timer = can->setup.timer;
+    self->port.tap = can->setup.tap;
     self->out = (struct lx_silkit_port){.step = flush, .ctx = self};
     lx_silkit_name_topic(&self->out, self->where.network, "frames");
     lx_silkit_name_topic(&self->port, self->out.topic, "to");

@@ -16,7 +16,9 @@
  *   device may write again.
  *
  * The lock is held for moments only, never while the disk works. What is not shared belongs to the
- * loop; the memory below belongs to the thread while its queue is lined up.
+ * loop; the memory below belongs to the thread while its queue is lined up. A bus may be stepped on
+ * another thread while the loop stands still (silkit_lanes.c): then the device's side is there, and
+ * what all queues share has the lock.
  */
 #define _GNU_SOURCE
 #include "nvm_writer.h"
@@ -376,12 +378,12 @@ static int sync_later(void *ctx)
 {
     struct lx_nvm_queue *self = ctx;
     struct lx_nvm_writer *writer = self->setup.writer;
-    struct lx_nvm_job *job = make_job(writer->issued + 1u, 0, NULL, 0);
+    struct lx_nvm_job *job = make_job(0, 0, NULL, 0);
     if (job == NULL) {
         return DG_ERR_IO;
     }
-    writer->issued++;
     (void)pthread_mutex_lock(&writer->lock);
+    job->ticket = ++writer->issued;
     int result = DG_ERR_IO;
     if (self->stalled) {
         append(&self->spent, job, job);

@@ -127,8 +127,7 @@ void lx_silkit_unmask(const sigset_t *before)
 
 /* --- time --- */
 
-/* The rig's time at the simulation's `time`; what is over already is now. */
-static dg_ns moment_of(const struct lx_silkit *self, uint64_t time)
+dg_ns lx_silkit_moment_of(const struct lx_silkit *self, uint64_t time)
 {
     const uint64_t since = time > self->origin ? time - self->origin : 0;
     const dg_ns at = dg_after(self->begin, since);
@@ -153,6 +152,7 @@ static void begin_step(struct lx_silkit *self, uint64_t at)
     self->stepping = true;
     self->at = at;
     lx_silkit_sort(&self->pending);
+    lx_silkit_lanes_begin(self);
 }
 
 static void step_ports(struct lx_silkit *self, dg_ns now)
@@ -307,7 +307,7 @@ static int on_wake(sd_event_source *source, int fd, uint32_t events, void *ctx)
     (void)!read(fd, &count, sizeof count);
     take(self);
     while (self->clock == NULL && self->pending.first < self->pending.count) {
-        lx_silkit_deliver(self, lx_now(), UINT64_MAX);
+        lx_silkit_deliver(self, &self->pending, lx_now(), UINT64_MAX);
     }
     if (self->clock == NULL) {
         lx_silkit_list_trim(&self->pending);
@@ -337,6 +337,19 @@ static size_t bring_foreign_first(struct lx_silkit *self)
     return left - here;
 }
 
+/* Let time go on to the next deadline up to `at`. What lanes have to do before it comes first; at
+   one moment deadlines come before messages, and theirs, of times before `end`, before others. */
+static bool pass(struct lx_silkit *self, dg_ns at, uint64_t end)
+{
+    const dg_ns next = lx_strand_next(NULL);
+    if (next <= at) {
+        lx_silkit_lanes_run(self, next, lx_silkit_time_at(self, next));
+    } else {
+        lx_silkit_lanes_run(self, at, end);
+    }
+    return lx_time_pass(at);
+}
+
 /* Sorted, so those that are due stand first, and those without a moment last. */
 bool lx_silkit_step(struct lx_silkit *self)
 {
@@ -352,19 +365,19 @@ bool lx_silkit_step(struct lx_silkit *self)
     const struct lx_silkit_message *next =
         list->first < list->count ? &list->at[list->first] : NULL;
     if (next != NULL && next->time < self->at) {
-        const dg_ns at = moment_of(self, next->time);
-        if (!lx_time_pass(at)) {
-            lx_silkit_deliver(self, at, self->at);
+        const dg_ns at = lx_silkit_moment_of(self, next->time);
+        if (!pass(self, at, next->time + 1u)) {
+            lx_silkit_deliver(self, list, at, self->at);
         }
         return true;
     }
-    if (lx_time_pass(moment_of(self, self->at))) {
+    if (pass(self, lx_silkit_moment_of(self, self->at), self->at)) {
         return true;
     }
     const size_t foreign = bring_foreign_first(self);
     const size_t end = list->first + foreign;
     while (list->first < end) {
-        lx_silkit_deliver(self, lx_now(), UINT64_MAX);
+        lx_silkit_deliver(self, &self->pending, lx_now(), UINT64_MAX);
     }
     lx_silkit_list_trim(list);
     end_step(self);
@@ -381,6 +394,7 @@ struct lx_silkit *lx_silkit_new(sd_event *event, const struct lx_say *say, const
         self->say = say;
         self->rig = name;
         self->inbox.wakes = -1;
+        self->threads = 1;
     }
     return self;
 }
@@ -517,6 +531,9 @@ int lx_silkit_join(struct lx_silkit *self, struct lx_error *error)
 int lx_silkit_start(struct lx_silkit *self, struct lx_error *error)
 {
     sigset_t before;
+    if (lx_silkit_lanes_open(self, error) != 0) {
+        return -1;
+    }
     lx_silkit_mask(&before);
     const int32_t code = self->lib.start(self->lifecycle);
     lx_silkit_unmask(&before);
@@ -553,6 +570,8 @@ void lx_silkit_free(struct lx_silkit *self)
         return;
     }
     lx_silkit_leave(self);
+    lx_silkit_lanes_end(self);
+    lx_silkit_lanes_free(self);
     self->standstill = sd_event_source_disable_unref(self->standstill);
     lx_timer_close(&self->tick);
     self->io = sd_event_source_disable_unref(self->io);

@@ -21,6 +21,7 @@
 #include "say.h"
 #include "silkit_inbox.h"
 #include "silkit_library.h"
+#include "tap.h"
 #include "timer.h"
 #include "wire.h"
 
@@ -67,6 +68,12 @@ struct lx_silkit_port {
     /** The step at `now` ends: what is to be said in each. NULL: nothing. */
     void (*step)(void *ctx, dg_ns now);
     void *ctx;
+    /** Of a packed bus: its deadline and who listens to it. Then it may be stepped on another
+     * thread than the loop's (silkit_lanes.h). NULL: it is not */
+    struct lx_timer *timer;
+    const struct lx_tap *tap;
+    size_t lane;  /**< which it is in, */
+    bool in_lane; /**< ... if it is in one now */
 };
 
 /** A rig's. `event` NULL: it is only asked whether it can be. */

@@ -10,6 +10,7 @@
 #include <signal.h>
 
 #include "silkit.h"
+#include "silkit_lanes.h"
 
 /** A participant. What other threads touch is `inbox`, and, once it is started, `port`, `lib`. */
 struct lx_silkit {
@@ -27,6 +28,8 @@ struct lx_silkit {
     size_t count;
     struct lx_silkit_list came;    /**< just taken out of the inbox */
     struct lx_silkit_list pending; /**< messages in the order in which they are handled */
+    struct lx_silkit_lanes *lanes; /**< owned; NULL: no bus is packed, or time is real */
+    size_t threads;                /**< that step them, at least 1 */
     uint64_t lost;                 /**< messages for which there was no room, as was told */
     uint64_t at;                   /**< time of the present step */
     uint64_t origin;               /**< time of the first one, which is that of the rig at */
@@ -46,9 +49,13 @@ struct lx_silkit {
     bool complained; /**< about what the library refuses */
 };
 
-/** Hand over the first message of the pending ones, at `now`, of which those before `end` come in
- * this step. */
-void lx_silkit_deliver(struct lx_silkit *self, dg_ns now, uint64_t end);
+/** Hand over the first message of `list`, at `now`, of which those before `end` come in this step.
+ */
+void lx_silkit_deliver(const struct lx_silkit *self, struct lx_silkit_list *list, dg_ns now,
+                       uint64_t end);
+
+/** The rig's time at the simulation's `time`; what is over already is now. */
+dg_ns lx_silkit_moment_of(const struct lx_silkit *self, uint64_t time);
 
 /** Put the pending ones into their order. */
 void lx_silkit_sort(struct lx_silkit_list *list);

@@ -155,9 +155,9 @@ static void note_refused(struct lx_silkit_port *self, const struct lx_silkit_mes
                 self->topic, (unsigned long)message->id, one ? "" : "at most ", self->length_max);
 }
 
-void lx_silkit_deliver(struct lx_silkit *self, dg_ns now, uint64_t end)
+void lx_silkit_deliver(const struct lx_silkit *self, struct lx_silkit_list *list, dg_ns now,
+                       uint64_t end)
 {
-    struct lx_silkit_list *list = &self->pending;
     const struct lx_silkit_message message = list->at[list->first++];
     const struct lx_silkit_message *next =
         list->first < list->count ? &list->at[list->first] : NULL;

@@ -131,6 +131,7 @@ int lx_silkit_add(struct lx_silkit *self, const struct dg_plan *plan,
                    : same_settings(self, &line.simulation, plan, wire, error);
     }
     self->planned = true;
+    self->threads = plan->threads > 0 ? plan->threads : 1u;
     self->where = where;
     self->settings = line.simulation;
     return 0;

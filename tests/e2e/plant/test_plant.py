@@ -192,6 +192,7 @@ def test_rigs_that_hear_nothing_are_waited_for_together(tmp_path):
     (("--program", "/nowhere"), {}, "plant: /nowhere: No such file or directory; --program"),
     (("--join",), {}, "--registry silkit://HOST:PORT says where the master is"),
     (("--nodes", "128"), {}, "a bus has at most 127 nodes"),
+    (("--threads", "65"), {}, "--threads 65: 1..64 is right"),
     (("--registry", "foo", "--rig", "0"), {}, "--registry foo: silkit://HOST:PORT is right"),
     (("--processes", "1000"), {}, "256 processes at most"),
     (("--here", "3..1"), {}, "invalid numbers value: '3..1'"),

@@ -30,7 +30,7 @@ TREE = Path(__file__).resolve().parents[3]
 MS = 1_000_000
 PATIENCE_S = 120
 PROGRESS_S = 2
-PROCESSES_MAX = 256
+PROCESSES_MAX, THREADS_MAX = 256, 64
 MASTER = "master"
 
 # What is on a bus: F3668 as delivered, 2^16 steps a turn, 2^28 in all; TPDO2 tells the position at SYNC.
@@ -69,7 +69,7 @@ class Shaft:
 
 def rig_file(rig: int, plant: argparse.Namespace, uri: str) -> str:
     """The rig as the command takes it: the buses of a plant are counted through."""
-    text = [f"[rig]\nname = plant-{rig}\n"]
+    text = [f"[rig]\nname = plant-{rig}\nthreads = {plant.threads}\n"]
     buses = range(rig * plant.buses, (rig + 1) * plant.buses)
     text += [f"[shaft s{bus}]\n" for bus in buses]
     keys = f"step_us = {plant.step_us}\n" + ("" if plant.aggregate else "aggregate = 0\n")
@@ -609,6 +609,7 @@ def options() -> argparse.Namespace:
     """What is asked for."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--processes", type=int, default=1, help="rigs of the whole plant (1)")
+    parser.add_argument("--threads", type=int, default=2, help="of a rig (2)")
     parser.add_argument("--buses", type=int, default=80, help="of a rig (80)")
     parser.add_argument("--nodes", type=int, default=125, help="of a bus (125)")
     parser.add_argument("--ms", type=int, default=1000, help="virtual time, from the first SYNC on (1000)")
@@ -633,6 +634,8 @@ def options() -> argparse.Namespace:
         parser.error("--registry silkit://HOST:PORT says where the master is")
     if plant.registry is not None and not re.fullmatch(r"silkit://[^/,\s]+:\d{1,5}", plant.registry):
         parser.error(f"--registry {plant.registry}: silkit://HOST:PORT is right")
+    if not 1 <= plant.threads <= THREADS_MAX:
+        parser.error(f"--threads {plant.threads}: 1..{THREADS_MAX} is right")
     if plant.processes > PROCESSES_MAX:
         parser.error(f"{PROCESSES_MAX} processes at most: each knows all others")
     if not 1 <= plant.nodes <= 127 or min(plant.processes, plant.buses, plant.ms, plant.step_us, plant.sync_ms) < 1:

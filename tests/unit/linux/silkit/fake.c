@@ -232,6 +232,15 @@ DOES(CanController_SendFrame, struct lx_sk_can *self, struct lx_sk_frame *frame,
     return may("send");
 }
 
+/* FNV-1a. */
+static uint64_t hash(uint64_t so_far, const uint8_t *bytes, size_t n)
+{
+    for (size_t i = 0; i < n; i++) {
+        so_far = (so_far ^ bytes[i]) * UINT64_C(0x100000001B3);
+    }
+    return so_far;
+}
+
 static struct fake_topic *topic_of(const struct lx_sk_spec *spec)
 {
     struct fake_topic *topic = &fake_silkit.topic[fake_silkit.topics++];
@@ -255,6 +264,7 @@ DOES(DataPublisher_Publish, struct lx_sk_publisher *self, const struct lx_sk_byt
     topic->size = data->size < sizeof topic->bytes ? data->size : sizeof topic->bytes;
     memcpy(topic->bytes, data->data, topic->size);
     topic->count++;
+    topic->hash = hash(topic->hash ^ data->size, data->data, data->size);
     return may("publish");
 }
 

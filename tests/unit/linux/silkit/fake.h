@@ -6,7 +6,7 @@
 
 #include "silkit_library.h"
 
-#define FAKE_TOPICS 16u
+#define FAKE_TOPICS 32u
 #define FAKE_FRAMES 64u
 
 struct fake_topic {
@@ -16,6 +16,7 @@ struct fake_topic {
     uint8_t bytes[256];     /* published last */
     size_t size;
     unsigned count;
+    uint64_t hash; /* of all that was published */
 };
 
 struct fake_silkit {
