@@ -42,7 +42,9 @@
 extern "C" {
 #endif
 
+struct dg_bus_master;
 struct dg_instrument;
+struct dg_master_protocol;
 struct dg_model_text;
 
 /** Silence on MA that ends a frame (5.2.1.2), and the short one chosen by 7Ch bits 2..0 (1..7). */
@@ -470,6 +472,40 @@ DG_API extern const struct dg_device dg_s3674_biss, dg_s3684_biss;
 DG_API extern const struct dg_model_text dg_biss_model_text;
 /** The protocol as an instrument, see instrument.h; an object file of its own. */
 DG_API extern const struct dg_instrument dg_biss_instrument;
+
+/** Its master, see bus_master.h; an object file of its own, likewise what follows. */
+DG_API extern const struct dg_master_protocol dg_biss_master;
+
+/** What an access to registers can end in; what is not negative counts registers. */
+enum dg_biss_failure {
+    DG_BISS_SILENT = -1,   /**< the encoder did not answer */
+    DG_BISS_REFUSED = -2,  /**< register not implemented, protected, or not ready */
+    DG_BISS_TOO_BUSY = -3, /**< longer than 20 ms */
+    DG_BISS_DAMAGED = -4,  /**< a check sum is wrong */
+};
+
+/** Registers of an encoder of a chain, to be read or written. */
+struct dg_biss_access {
+    size_t place; /**< of the encoder, 0 is next to the master */
+    uint8_t address;
+    const uint8_t *sent; /**< NULL: they are read */
+    uint8_t *got;        /**< NULL: they are written */
+    size_t n;
+    size_t done; /**< how many were accessed; out */
+};
+
+/** Read or write registers, in as many control frames as it takes: a sequence ends where the next
+ * register is refused. Who looks at the bus is told in words.
+ * @return what is not negative, or enum dg_biss_failure for register address + done */
+DG_API int dg_biss_access(struct dg_bus_master *master, struct dg_biss_access *access);
+
+/** An enum dg_biss_failure in words. */
+DG_API const char *dg_biss_failure_text(int failure);
+
+/** An access that ended in `failure`, in words: "register 78h: ...". */
+DG_API void dg_biss_access_explain(const struct dg_bus_master *master,
+                                   const struct dg_biss_access *access, int failure, char *to,
+                                   size_t size);
 
 /** What can be set of a struct dg_biss_model, for hosts. */
 DG_API extern const struct dg_keys dg_biss_keys;

@@ -181,6 +181,10 @@ DG_API int dg_bus_restore(struct dg_bus *self, const void *from, size_t n);
 DG_API size_t dg_bus_count(const struct dg_bus *self);
 /** The encoder at `place`, below dg_bus_count(). */
 DG_API struct dg_host *dg_bus_encoder(const struct dg_bus *self, size_t place);
+/** Its device, as its stack makes it; there once it was switched on. */
+DG_API void *dg_bus_device(const struct dg_bus *self, size_t place);
+/** What is set of it; it begins with the figures of its stack's model. */
+DG_API const void *dg_bus_settings(const struct dg_bus *self, size_t place);
 
 #ifdef __cplusplus
 }

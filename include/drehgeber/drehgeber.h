@@ -13,6 +13,7 @@
 #include "drehgeber/bus.h"
 #include "drehgeber/bus_characters.h"
 #include "drehgeber/bus_frames.h"
+#include "drehgeber/bus_master.h"
 #include "drehgeber/bus_queue.h"
 #include "drehgeber/bus_words.h"
 #include "drehgeber/canopen.h"

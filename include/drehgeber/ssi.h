@@ -42,6 +42,7 @@ extern "C" {
 #endif
 
 struct dg_instrument;
+struct dg_master_protocol;
 struct dg_model_text;
 
 /** Monoflop time: as most encoders have it, and what dg_ssi_init() takes. Encoders have 10 to 30
@@ -282,6 +283,9 @@ DG_API extern const struct dg_device dg_ssi_13, dg_ssi_25, dg_ssi_28;
 DG_API extern const struct dg_model_text dg_ssi_model_text;
 /** The protocol as an instrument, see instrument.h; an object file of its own. */
 DG_API extern const struct dg_instrument dg_ssi_instrument;
+
+/** Its master, see bus_master.h; an object file of its own. */
+DG_API extern const struct dg_master_protocol dg_ssi_master;
 
 /** What can be set of a struct dg_ssi_model, for hosts. */
 DG_API extern const struct dg_keys dg_ssi_keys;

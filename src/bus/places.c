@@ -220,3 +220,13 @@ struct dg_host *dg_bus_encoder(const struct dg_bus *self, size_t place)
 {
     return dg_bus_place_at(self, place)->host;
 }
+
+void *dg_bus_device(const struct dg_bus *self, size_t place)
+{
+    return dg_host_line_of(dg_bus_encoder(self, place))->device;
+}
+
+const void *dg_bus_settings(const struct dg_bus *self, size_t place)
+{
+    return dg_host_line_of(dg_bus_encoder(self, place))->settings;
+}

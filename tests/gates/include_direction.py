@@ -41,6 +41,7 @@ SEEN_FROM_OUTSIDE = {
     "instrument": {"core", "scpi", "control", "instruments"},
     "host":       {"core", "host"},
     "side":       {"core", "host"},
+    "master":     {"core", "bus"},
     "words":      {"core", "words"},
 }
 # room of platform/, folder of tools/: the same, and the rooms whose headers it may include:
@@ -139,6 +140,7 @@ OWNER = {
     "bus_characters.h": "bus",
     "bus_edges.h": "bus",
     "bus_frames.h": "bus",
+    "bus_master.h": "bus",
     "bus_queue.h": "bus",
     "bus_words.h": "bus",
 }

@@ -69,7 +69,7 @@ ROWS = {
         (PROTOCOLS, "ROW(f3658) ", "ROW(tenbit_low) ROW(tenbit_high) "),
         (MESON, "  'src/eleven/host.c',\n", "  'src/devices/tenbit.c',\n"),
         (MESON, "  'src/words/line.c',\n",
-         "".join(f"  'src/tenbit/{name}.c',\n" for name in ("host", "instrument", "stack"))),
+         "".join(f"  'src/tenbit/{name}.c',\n" for name in ("host", "instrument", "master", "stack"))),
         (WIRES, "\nconst struct lx_stack *const lx_stacks", '#include "tenbit_clocked.h"\n'),
         (WIRES, "&lx_hf_stack,", "&lx_tenbit_stack, "),
         (PAGE, "| `f3658` |", "| `tenbit-low`, `tenbit-high` | nobody's, 10 bit | ten bits | [about it](src/tenbit/README.md) |\n"),

@@ -6,7 +6,6 @@
 
 #include "biss_clocked.h"
 #include "biss_eds.h"
-#include "biss_master.h"
 #include "drehgeber/figure.h"
 #include "run.h"
 #include "wire_session.h"
@@ -61,14 +60,14 @@ static size_t take_bytes(struct words *words, uint8_t *bytes, size_t capacity)
 static int complain_access(struct lx_error *error, const char *what, unsigned address, int result)
 {
     (void)lx_fail(error, "%s 0x%02X (%u): %s", what, address, address,
-                  lx_biss_failure_text(result));
+                  dg_biss_failure_text(result));
     return EXIT_OTHER;
 }
 
 static int select_bank(struct wire_session *self, uint8_t bank, struct lx_error *error)
 {
-    size_t done = 0;
-    const int result = lx_biss_master_write(&self->master, 0, BANK_SELECT, &bank, 1, &done);
+    struct dg_biss_access access = {.address = BANK_SELECT, .sent = &bank, .n = 1};
+    const int result = dg_biss_access(&self->master, &access);
 
     return result < 0 ? complain_access(error, "bank select", BANK_SELECT, result) : 0;
 }
@@ -104,31 +103,32 @@ static int take_address(struct wire_session *self, struct words *words, uint8_t 
 static int read_all(struct wire_session *self, uint8_t address, uint8_t *bytes, size_t n,
                     struct lx_error *error)
 {
-    size_t done = 0;
-    const int result = lx_biss_master_read(&self->master, 0, address, bytes, n, &done);
+    struct dg_biss_access access = {.address = address, .got = bytes, .n = n};
+    const int result = dg_biss_access(&self->master, &access);
 
-    return result < 0 ? complain_access(error, "read", address + (unsigned)done, result) : 0;
+    return result < 0 ? complain_access(error, "read", address + (unsigned)access.done, result) : 0;
 }
 
 static int write_all(struct wire_session *self, uint8_t address, const uint8_t *bytes, size_t n,
                      struct lx_error *error)
 {
-    size_t done = 0;
-    const int result = lx_biss_master_write(&self->master, 0, address, bytes, n, &done);
+    struct dg_biss_access access = {.address = address, .sent = bytes, .n = n};
+    const int result = dg_biss_access(&self->master, &access);
 
-    return result < 0 ? complain_access(error, "write", address + (unsigned)done, result) : 0;
+    return result < 0 ? complain_access(error, "write", address + (unsigned)access.done, result)
+                      : 0;
 }
 
 static int do_read(struct wire_session *self, struct words *words, struct lx_error *error)
 {
     static const int results[] = {
-        [LX_CLOCKED_WRONG] = LX_BISS_DAMAGED,
-        [LX_CLOCKED_SILENT] = LX_BISS_SILENT,
+        [DG_MASTER_WRONG] = DG_BISS_DAMAGED,
+        [DG_MASTER_SILENT] = DG_BISS_SILENT,
     };
-    const enum lx_clocked_verdict verdict = wire_session_read(self);
+    const enum dg_master_verdict verdict = wire_session_read(self);
 
     (void)words;
-    return verdict == LX_CLOCKED_GOOD ? 0 : complain_access(error, "position", 0, results[verdict]);
+    return verdict == DG_MASTER_GOOD ? 0 : complain_access(error, "position", 0, results[verdict]);
 }
 
 static int do_registers(struct wire_session *self, struct words *words, struct lx_error *error)
@@ -198,13 +198,13 @@ static int do_command(struct wire_session *self, struct words *words, struct lx_
         return usage(error, "command needs a number of 0..255", "");
     }
     const uint8_t command = (uint8_t)number;
-    size_t done = 0;
-    const int result = lx_biss_master_write(&self->master, 0, COMMAND_REGISTER, &command, 1, &done);
+    struct dg_biss_access access = {.address = COMMAND_REGISTER, .sent = &command, .n = 1};
+    const int result = dg_biss_access(&self->master, &access);
     if (result < 0) {
         return complain_access(error, "command", command, result);
     }
-    lx_sim_master_pause(&self->master,
-                        self->master.wire.now +
+    dg_bus_master_pause(&self->master,
+                        self->master.now +
                             (command == DG_BISS_SOFT_RESET ? lx_clocked_init(self->line) : 0));
     return 0;
 }

@@ -14,16 +14,16 @@ static const struct wire_command ssi = {"ssi", &lx_ssi_stack, "an SSI model", "r
 static int act(struct wire_session *self, struct words *words, struct lx_error *error)
 {
     static const char *const failures[] = {
-        [LX_CLOCKED_WRONG] = "the parity is wrong",
-        [LX_CLOCKED_SILENT] = "no answer",
+        [DG_MASTER_WRONG] = "the parity is wrong",
+        [DG_MASTER_SILENT] = "no answer",
     };
     const char *word = take_word(words);
 
     if (strcmp(word, "read") != 0) {
         return wire_command_usage(&ssi, "unknown action ", word, error);
     }
-    const enum lx_clocked_verdict verdict = wire_session_read(self);
-    if (verdict == LX_CLOCKED_GOOD) {
+    const enum dg_master_verdict verdict = wire_session_read(self);
+    if (verdict == DG_MASTER_GOOD) {
         return EXIT_OK;
     }
     (void)lx_fail(error, "position: %s", failures[verdict]);

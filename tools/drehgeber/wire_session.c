@@ -6,7 +6,6 @@
 
 #include "course_words.h"
 #include "run.h"
-#include "sim_bus.h"
 
 /* Shown of an idle wire in front of the first edge. */
 #define TRACE_AHEAD DG_US(1)
@@ -84,7 +83,8 @@ static int open_trace(struct wire_session *self, const struct options *options, 
         .tap = &self->tap,
     };
     self->trace = lx_trace_open(&trace, ready, error);
-    lx_sim_master_pause(&self->master, dg_after(ready, TRACE_AHEAD));
+    lx_clocked_listen(self->line);
+    dg_bus_master_pause(&self->master, dg_after(ready, TRACE_AHEAD));
     if (self->trace == NULL) {
         (void)lx_about(error, LX_ABOUT_KEY, "trace", NULL);
         return EXIT_OTHER;
@@ -114,9 +114,10 @@ static int open_session(struct wire_session *self, const struct options *options
     if (lx_clocked_open(self->line, &bus->setup, bus->core, &self->tap, now, error) != 0) {
         return EXIT_OTHER;
     }
-    lx_sim_master_init(&self->master, &self->tap, self->line,
-                       &dg_engine_wire_of(self->engine.core, 0)->line.timing, now);
-    lx_sim_master_pause(&self->master, ready);
+    const struct dg_bus_master_setup master = lx_sim_bus_master(bus);
+    dg_bus_master_init(&self->master, &master, now);
+    lx_clocked_listen(self->line);
+    dg_bus_master_pause(&self->master, ready);
     return options->trace == NULL ? 0 : open_trace(self, options, ready, error);
 }
 
@@ -132,14 +133,15 @@ static int close_session(struct wire_session *self, struct lx_error *error)
 
 /* --- commands --- */
 
-enum lx_clocked_verdict wire_session_read(struct wire_session *self)
+enum dg_master_verdict wire_session_read(struct wire_session *self)
 {
-    const struct lx_clocked_protocol *protocol = self->line->protocol;
-    char text[LX_SIM_NOTE_MAX];
-    lx_sim_master_frame(&self->master);
-    const enum lx_clocked_verdict verdict = protocol->judge(self->line, 0);
-    if (verdict != LX_CLOCKED_SILENT) {
-        protocol->print(self->line, 0, text, sizeof text);
+    const struct dg_master_protocol *protocol = self->line->protocol->master;
+    char text[DG_BUS_NOTE_MAX];
+    struct dg_text to = dg_text_in(text, sizeof text);
+    dg_bus_master_read(&self->master);
+    const enum dg_master_verdict verdict = protocol->judge(&self->master, 0);
+    if (verdict != DG_MASTER_SILENT) {
+        protocol->line(&self->master, 0, &to);
         (void)printf("%s\n", text);
     }
     return verdict;

@@ -9,7 +9,7 @@
 #include "engine.h"
 #include "motion_words.h"
 #include "options.h"
-#include "sim_master.h"
+#include "sim_bus.h"
 #include "trace.h"
 
 /* The words that are left of what is to be done. */
@@ -28,7 +28,7 @@ struct wire_session {
     struct lx_shaft shaft;
     struct lx_clocked *line;
     struct lx_tap tap;
-    struct lx_sim_master master;
+    struct dg_bus_master master;
     struct lx_trace *trace; /* NULL: none */
 };
 
@@ -50,6 +50,6 @@ int wire_command_usage(const struct wire_command *self, const char *what, const 
                        struct lx_error *error);
 
 /* Read a frame and print what it says. @return what the master made of it */
-enum lx_clocked_verdict wire_session_read(struct wire_session *self);
+enum dg_master_verdict wire_session_read(struct wire_session *self);
 
 #endif

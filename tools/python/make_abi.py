@@ -25,18 +25,21 @@ void dg_host_take_side(struct dg_host *self, const struct dg_bus_side *side);
 const struct dg_co_sheet *dg_cia406_sheet_of(const struct dg_device *model);
 void dg_co_eds(const struct dg_co_sheet *, void (*)(void *, const char *, size_t), void *);
 struct dg_encoder *dg_host_panel_encoder(struct dg_host_panel *self);
-/* Objects that nobody looks into: struct dg_bus_medium, struct dg_bus_ops. */
-extern const char dg_bus_characters[], dg_bus_edges[], dg_bus_frames[], dg_bus_words[], dg_bus_queue_ops[];
+/* Objects that nobody looks into: struct dg_bus_medium, struct dg_bus_ops, struct dg_master_protocol. */
+extern const char dg_bus_characters[], dg_bus_edges[], dg_bus_frames[], dg_bus_words[], dg_bus_queue_ops[], dg_biss_master[];
+struct dg_bus_master;
+struct dg_biss_access;
+int dg_biss_access(struct dg_bus_master *master, struct dg_biss_access *access);
 """
 HEADERS = (
     "host.h", "motion.h", "shaft.h", "course.h", "frame.h", "tap.h", "bus.h", "bus_characters.h", "bus_edges.h", "bus_frames.h",
-    "bus_words.h", "bus_queue.h", "key.h", "rig.h",
+    "bus_master.h", "bus_words.h", "bus_queue.h", "key.h", "rig.h",
 )  # fmt: skip
 INCLUDE = re.compile(r'^#include "drehgeber/(\w+\.h)"$', re.M)
 STRUCT = re.compile(r"^struct \w+ \{[^}]*\};", re.M)
-# Of these headers, so much: results, what a model is called, what travels on its wire, files that are models.
-PARTS_OF = ("hal.h", "stack.h", "model.h")
-PARTS = re.compile(r"^(?:enum dg_result|enum dg_medium|struct dg_stack|struct dg_device|struct dg_model_(?!text)\w+) \{[^}]*\};", re.M)
+# Of these headers, so much: results, what a model is called, what travels on its wire, files that are models, registers of BiSS.
+PARTS_OF = ("hal.h", "stack.h", "model.h", "biss.h")
+PARTS = re.compile(r"^(?:enum dg_result|enum dg_medium|enum dg_biss_failure|struct dg_biss_access|struct dg_stack|struct dg_device|struct dg_model_(?!text)\w+) \{[^}]*\};", re.M)
 
 
 def read(path: Path) -> str:

@@ -52,16 +52,11 @@ void lx_clocked_look(struct lx_clocked *self, dg_ns now)
     }
 }
 
-void *lx_clocked_device(const struct lx_clocked *self, size_t index)
-{
-    return dg_host_line_of(dg_bus_encoder(self->bus, index))->device;
-}
-
 /* --- from a plan --- */
 
 struct lx_clocked *lx_clocked_new(const struct lx_clocked_protocol *protocol)
 {
-    struct lx_clocked *self = calloc(1, protocol->size);
+    struct lx_clocked *self = calloc(1, sizeof *self);
     if (self != NULL) {
         self->protocol = protocol;
         self->ops.tx = take_level;
@@ -180,7 +175,8 @@ dg_ns lx_clocked_hint(struct lx_clocked *self, const struct lx_say *say, const c
 
 void lx_clocked_offer(const struct lx_clocked *self, const struct lx_bus_setup *setup)
 {
-    for (size_t i = 0; i < setup->count && self->protocol->offer != NULL; i++) {
-        self->protocol->offer(setup->stations[i]);
+    for (size_t i = 0; i < setup->count; i++) {
+        setup->stations[i]->control->port = self->protocol->port;
+        setup->stations[i]->control->port_ctx = setup->stations[i];
     }
 }

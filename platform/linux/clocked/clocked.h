@@ -2,8 +2,8 @@
 /**
  * @file
  * Encoders of a plan on a clocked line: a master clocks, they shift. The line itself is a bus of
- * the library (drehgeber/bus_edges.h); here are the encoders with their memories, and what the
- * master of a simulated wire knows of their protocol.
+ * the library (drehgeber/bus_edges.h), and so is the master of a simulated wire
+ * (drehgeber/bus_master.h); here are the encoders with their memories.
  *
  * GPIO lines, the simulated wire, faults on the line and traces know no protocol. A protocol is a
  * struct lx_clocked_protocol in a file of its own, of which its struct lx_stack knows.
@@ -17,6 +17,7 @@
 
 #include "bus.h"
 #include "drehgeber/bus_edges.h"
+#include "drehgeber/bus_master.h"
 #include "drehgeber/host_wire.h"
 #include "drehgeber/time.h"
 #include "say.h"
@@ -25,38 +26,20 @@
 /** Most encoders on one line. */
 #define LX_CLOCKED_MAX DG_BUS_CHAIN_MAX
 
-struct lx_clocked;
-struct lx_clocked_wire;
-
-/** What the master made of what an encoder sent. */
-enum lx_clocked_verdict {
-    LX_CLOCKED_GOOD,
-    LX_CLOCKED_WRONG,  /**< the frame does not fit its check sum */
-    LX_CLOCKED_SILENT, /**< there was none */
-};
-
-/** A frame, as an encoder has sent it. */
-struct lx_clocked_word {
-    uint64_t bits;      /**< right-aligned */
-    uint8_t count;      /**< of them */
-    uint32_t multiturn; /**< what they say; likewise the next ones */
-    uint32_t singleturn;
-    bool error;
-    bool warning;
-    uint8_t life;
-};
-
 /** Who clocks. */
 enum lx_clocked_master {
     LX_CLOCKED_HERE,  /**< this program, in virtual time */
     LX_CLOCKED_THERE, /**< somebody else, as fast as GPIO lines allow */
 };
 
-/** A protocol: what a plan may say of its encoders, and the master of a simulated wire. */
+/** A protocol: what a plan may say of its encoders. */
 struct lx_clocked_protocol {
     const char *clock; /**< its names of the lines, for messages, e.g. "MA" */
     const char *data;
-    size_t size; /**< of its line: struct lx_clocked and what the master has read */
+    const struct dg_master_protocol *master; /**< how the master of a simulated wire reads */
+    /** What the commands of its own find behind a station on a simulated wire, which is handed to
+     * it: dg_encoder.port. NULL: nothing */
+    const void *port;
 
     /** Settings of an encoder as delivered become what suits a master on GPIO lines, before the
      * plan says its own. NULL: they suit every master. */
@@ -70,29 +53,9 @@ struct lx_clocked_protocol {
     /** Whether an encoder takes `hz` of a simulated wire for the clock of one frame. Optional:
      * it takes all. @return 0, or -1 with `error` */
     int (*check_rate)(const void *settings, uint32_t hz, struct lx_error *error);
-    /** Rising edges of the clock in a frame, at least. */
-    uint32_t (*rises)(const struct lx_clocked *self);
-
-    /** The master reads a frame of all encoders; what it saw stays in `self`. A frame without an
-     * answer is counted in `wire`. */
-    void (*read)(struct lx_clocked *self, struct lx_clocked_wire *wire);
-    /** `n` frames like the one read last have gone by, and nobody has looked: as if they had been
-     * read. No fault of the line is active. */
-    void (*skip)(struct lx_clocked *self, uint64_t n);
-    /** What it made of the frame read last. */
-    enum lx_clocked_verdict (*judge)(const struct lx_clocked *self, size_t encoder);
-    /** The frame read last; not after LX_CLOCKED_SILENT. */
-    void (*word)(const struct lx_clocked *self, size_t encoder, struct lx_clocked_word *out);
-    /** The frame read last in words, for traces. */
-    void (*note)(const struct lx_clocked *self, const struct lx_clocked_wire *wire, size_t encoder,
-                 char *text, size_t size);
-    /** The same as a line for people; not after LX_CLOCKED_SILENT. */
-    void (*print)(const struct lx_clocked *self, size_t encoder, char *text, size_t size);
-    /** What the commands of its own find behind `station` on a simulated wire; NULL: nothing. */
-    void (*offer)(struct lx_station *station);
 };
 
-/** A line; first member of each protocol's own. Not to be moved. */
+/** A line. Not to be moved. */
 struct lx_clocked {
     const struct lx_clocked_protocol *protocol;
     enum lx_clocked_master master;
@@ -139,9 +102,6 @@ void lx_clocked_listen(struct lx_clocked *self);
 
 /** Power, worlds or faults may have changed; time goes on to `now`, or not at all. */
 void lx_clocked_look(struct lx_clocked *self, dg_ns now);
-
-/** Encoder `index` as its stack makes it. */
-void *lx_clocked_device(const struct lx_clocked *self, size_t index);
 
 /** Switch everything off, free `self`; NULL is fine. */
 void lx_clocked_close(struct lx_clocked *self);

@@ -290,7 +290,7 @@ int lx_gpio_open(struct lx_gpio *self, const struct lx_gpio_setup *setup, struct
 {
     const struct lx_clocked *line = setup->line;
     *self = (struct lx_gpio){.setup = *setup, .data = line->data};
-    lx_gpio_rate_init(&self->rate, line->protocol->rises(line));
+    lx_gpio_rate_init(&self->rate, line->protocol->master->rises(line->bus));
     const int result = listen(self);
     if (result < 0) {
         return lx_fail(error, "no event loop for %s: %s", setup->name, strerror(-result));

@@ -37,7 +37,7 @@ struct sim_bus {
     struct lx_bus bus;
     struct lx_clocked *line;
     dg_ns init; /* of the encoder that takes longest */
-    struct lx_sim_master master;
+    struct dg_bus_master master;
     struct lx_timer timer;
     bool driven; /* by a simulation, which says when a frame is read: */
     struct lx_sim_silkit silkit;
@@ -58,27 +58,27 @@ static struct sim_bus *sim_of(struct lx_bus *bus)
 
 static void read_frame(struct sim_bus *self, dg_ns at)
 {
-    const struct lx_clocked *line = self->line;
-    const uint32_t silent = self->master.wire.silent;
-    lx_sim_master_pause(&self->master, at);
-    lx_sim_master_frame(&self->master);
+    const struct dg_master_protocol *protocol = self->line->protocol->master;
+    const uint32_t silent = self->master.silent;
+    lx_clocked_listen(self->line);
+    dg_bus_master_pause(&self->master, at);
+    dg_bus_master_read(&self->master);
     self->frames++;
     self->bad = 0;
-    for (size_t i = 0; i < line->count; i++) {
-        self->bad += line->protocol->judge(line, i) == LX_CLOCKED_WRONG;
+    for (size_t i = 0; i < self->line->count; i++) {
+        self->bad += protocol->judge(&self->master, i) == DG_MASTER_WRONG;
     }
     self->wrong += self->bad;
-    self->silent = self->master.wire.silent - silent;
+    self->silent = self->master.silent - silent;
 }
 
 /* Frames are counted that are like the latest one. */
 static void skip_frames(struct sim_bus *self, uint64_t n)
 {
-    struct lx_clocked *line = self->line;
-    line->protocol->skip(line, n);
+    self->line->protocol->master->skip(&self->master, n);
     self->frames += n;
     self->wrong += n * self->bad;
-    self->master.wire.silent += (uint32_t)n * self->silent;
+    self->master.silent += (uint32_t)n * self->silent;
     self->due += n * READ_EVERY;
 }
 
@@ -101,7 +101,7 @@ static bool is_watched(const struct sim_bus *self)
 /* Not before the wire is free. */
 static dg_ns next_read(const struct sim_bus *self)
 {
-    return self->due > self->master.wire.now ? self->due : self->master.wire.now;
+    return self->due > self->master.now ? self->due : self->master.now;
 }
 
 /* Before a frame that is due: the ones that are not clocked. The last one of all is. */
@@ -157,23 +157,44 @@ static void on_time(void *ctx, dg_ns now)
 
 /* --- what the control plane asks for --- */
 
+static struct dg_bus_master_setup describe_master(const struct dg_plan_timing *timing,
+                                                  const struct lx_clocked *line, struct dg_bus *bus)
+{
+    return (struct dg_bus_master_setup){
+        .size = sizeof(struct dg_bus_master_setup),
+        .bus = bus,
+        .protocol = line->protocol->master,
+        .clock_hz = timing->clock_hz,
+        .line_delay_ns = timing->line_delay_ns,
+        .compensates = timing->compensate,
+    };
+}
+
+struct dg_bus_master_setup lx_sim_bus_master(const struct lx_bus *bus)
+{
+    const struct lx_bus_setup *setup = &bus->setup;
+    return describe_master(&dg_engine_wire_of(setup->engine, setup->index)->line.timing,
+                           ((const struct sim_bus *)bus)->line, bus->core);
+}
+
 struct lx_clocked *lx_sim_bus_line(struct lx_bus *bus)
 {
     return sim_of(bus)->line;
 }
 
-struct lx_sim_master *lx_sim_bus_begin(struct lx_bus *bus)
+struct dg_bus_master *lx_sim_bus_begin(struct lx_bus *bus)
 {
     struct sim_bus *self = sim_of(bus);
     catch_up(self);
-    lx_sim_master_pause(&self->master, lx_clock_now(bus->setup.clock));
+    lx_clocked_listen(self->line);
+    dg_bus_master_pause(&self->master, lx_clock_now(bus->setup.clock));
     return &self->master;
 }
 
 void lx_sim_bus_read(struct lx_bus *bus)
 {
     struct sim_bus *self = sim_of(bus);
-    read_frame(self, self->master.wire.now);
+    read_frame(self, self->master.now);
 }
 
 void lx_sim_bus_end(struct lx_bus *bus)
@@ -183,15 +204,29 @@ void lx_sim_bus_end(struct lx_bus *bus)
     rest(self);
 }
 
-static bool read_one(struct lx_bus *bus, struct lx_station *station, char *text, size_t size)
+const struct dg_bus_master *lx_sim_bus_ask(struct lx_bus *bus, char *detail)
 {
-    const struct lx_clocked *line = lx_sim_bus_begin(bus)->wire.line;
+    const struct dg_bus_master *master = lx_sim_bus_begin(bus);
     lx_sim_bus_read(bus);
     lx_sim_bus_end(bus);
-    if (line->protocol->judge(line, station->place) == LX_CLOCKED_SILENT) {
+    if (!master->answered) {
+        (void)snprintf(detail, DG_SCPI_DETAIL_MAX + 1u, "no answer");
+        return NULL;
+    }
+    return master;
+}
+
+static bool read_one(struct lx_bus *bus, struct lx_station *station, char *text, size_t size)
+{
+    struct dg_text to = dg_text_in(text, size);
+    lx_sim_bus_begin(bus);
+    lx_sim_bus_read(bus);
+    lx_sim_bus_end(bus);
+    const struct dg_bus_master *master = &sim_of(bus)->master;
+    if (master->setup.protocol->judge(master, station->place) == DG_MASTER_SILENT) {
         return false;
     }
-    line->protocol->print(line, station->place, text, size);
+    master->setup.protocol->line(master, station->place, &to);
     return true;
 }
 
@@ -209,8 +244,8 @@ static int open_bus(struct lx_bus *bus, dg_ns now, struct lx_error *error)
     for (size_t i = 0; i < setup->count; i++) {
         setup->stations[i]->ready = self->driven ? DG_NEVER : self->due;
     }
-    lx_sim_master_init(&self->master, &bus->tap, self->line,
-                       &dg_engine_wire_of(setup->engine, setup->index)->line.timing, now);
+    const struct dg_bus_master_setup master = lx_sim_bus_master(bus);
+    dg_bus_master_init(&self->master, &master, now);
     const int result = lx_timer_open(&self->timer, setup->event, on_time, self);
     if (result < 0) {
         return lx_fail(error, "no timer: %s", strerror(-result));
@@ -251,7 +286,7 @@ static void counters(const struct lx_bus *bus, const struct lx_station *station,
         {"wire_up", 1},
         {"wire_late", bus->late},
         {"wire_frames", self->frames},
-        {"wire_silent", self->master.wire.silent},
+        {"wire_silent", self->master.silent},
         {"wire_wrong", self->wrong},
     };
     (void)station;
@@ -340,7 +375,8 @@ static struct lx_bus *make(const struct lx_bus_setup *setup, struct dg_engine_wi
         free(self);
         return NULL;
     }
-    to->edges = lx_clocked_wire_cable(&to->line.timing);
+    const struct dg_bus_master_setup master = describe_master(&to->line.timing, self->line, NULL);
+    to->edges = dg_bus_master_wire(&master);
     lx_clocked_offer(self->line, setup);
     return &self->bus;
 }

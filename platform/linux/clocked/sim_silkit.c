@@ -16,12 +16,12 @@
 #define FLAG_ERROR 1u
 #define FLAG_WARNING 2u
 
-static void put_entry(uint8_t *to, const struct lx_clocked *line, size_t encoder)
+static void put_entry(uint8_t *to, const struct dg_bus_master *master, size_t encoder)
 {
-    const enum lx_clocked_verdict verdict = line->protocol->judge(line, encoder);
-    struct lx_clocked_word word = {0};
-    if (verdict != LX_CLOCKED_SILENT) {
-        line->protocol->word(line, encoder, &word);
+    const enum dg_master_verdict verdict = master->setup.protocol->judge(master, encoder);
+    struct dg_master_word word = {0};
+    if (verdict != DG_MASTER_SILENT) {
+        master->setup.protocol->word(master, encoder, &word);
     }
     to[0] = (uint8_t)verdict;
     to[1] = (uint8_t)((word.error ? FLAG_ERROR : 0u) | (word.warning ? FLAG_WARNING : 0u));
@@ -35,15 +35,15 @@ static void put_entry(uint8_t *to, const struct lx_clocked *line, size_t encoder
 
 static void read_frame(struct lx_sim_silkit *self)
 {
-    const struct lx_sim_master *master = lx_sim_bus_begin(self->bus);
-    const struct lx_clocked *line = master->wire.line;
+    const struct dg_bus_master *master = lx_sim_bus_begin(self->bus);
+    const size_t count = self->bus->setup.count;
     uint8_t message[AHEAD + ENTRY * LX_CLOCKED_MAX];
-    dg_store_le64(message, lx_silkit_time_at(self->frame.all, master->wire.now));
+    dg_store_le64(message, lx_silkit_time_at(self->frame.all, master->now));
     lx_sim_bus_read(self->bus);
-    for (size_t i = 0; i < line->count; i++) {
-        put_entry(message + AHEAD + ENTRY * i, line, i);
+    for (size_t i = 0; i < count; i++) {
+        put_entry(message + AHEAD + ENTRY * i, master, i);
     }
-    lx_silkit_publish(&self->frame, message, AHEAD + ENTRY * line->count);
+    lx_silkit_publish(&self->frame, message, AHEAD + ENTRY * count);
     lx_sim_bus_end(self->bus);
 }
 

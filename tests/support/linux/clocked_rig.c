@@ -25,3 +25,21 @@ void clocked_rig_connect(struct lx_clocked *line, struct dg_host *host, struct d
     assert_int_equal(dg_bus_attach(bus, host, control), 0);
     lx_clocked_connect(line, bus, tap);
 }
+
+void clocked_rig_begin(struct dg_bus_master *master, struct lx_clocked *line, struct dg_host *host,
+                       struct dg_encoder *control, const struct dg_plan_timing *timing,
+                       const struct lx_tap *tap)
+{
+    struct dg_bus_master_setup setup = {
+        .size = sizeof setup,
+        .protocol = line->protocol->master,
+        .clock_hz = timing->clock_hz,
+        .line_delay_ns = timing->line_delay_ns,
+        .compensates = timing->compensate,
+    };
+    const struct dg_bus_edges_setup cable = dg_bus_master_wire(&setup);
+    clocked_rig_connect(line, host, control, &cable, tap);
+    lx_clocked_listen(line);
+    setup.bus = line->bus;
+    dg_bus_master_init(master, &setup, CLOCKED_RIG_BEGIN);
+}

@@ -21,65 +21,63 @@
 #include "drehgeber/instrument.h"
 #include "drehgeber/tenbit.h"
 #include "host_rig.h"
-#include "sim_master.h"
 #include "sim_rig.h"
 
-#define BEGIN DG_S(1)
+#define BEGIN CLOCKED_RIG_BEGIN
 
-/* The line, and what the master read last. */
-struct word_line {
-    struct lx_clocked base;
-    unsigned got;
-    enum lx_clocked_verdict verdict; /* what the master makes of it; likewise the next two */
+/* What the master makes of a frame. */
+static struct {
+    enum dg_master_verdict verdict;
     bool error;
     bool warning;
-};
+} made;
 
-static unsigned take_word(struct lx_clocked_wire *wire)
+static unsigned take_word(struct dg_bus_master *master)
 {
     unsigned bits = 0;
     for (unsigned i = 0; i < DG_TENBIT_BITS; i++) {
-        bits = bits << 1 | lx_clocked_wire_bit(wire);
+        bits = bits << 1 | dg_bus_master_bit(master);
     }
     return bits;
 }
 
-static void read_word(struct lx_clocked *base, struct lx_clocked_wire *wire)
+static void read_word(struct dg_bus_master *self)
 {
-    ((struct word_line *)base)->got = take_word(wire);
-    lx_clocked_wire_pause(wire, wire->now + DG_TENBIT_MONOFLOP + DG_US(1));
+    self->bits[0] = take_word(self);
+    dg_bus_master_pause(self, self->now + DG_TENBIT_MONOFLOP + DG_US(1));
 }
 
-static enum lx_clocked_verdict judge(const struct lx_clocked *base, size_t encoder)
+static enum dg_master_verdict judge(const struct dg_bus_master *self, size_t encoder)
 {
+    (void)self;
     (void)encoder;
-    return ((const struct word_line *)base)->verdict;
+    return made.verdict;
 }
 
-static void word(const struct lx_clocked *base, size_t encoder, struct lx_clocked_word *out)
+static void word(const struct dg_bus_master *self, size_t encoder, struct dg_master_word *out)
 {
-    const struct word_line *self = (const struct word_line *)base;
-    (void)encoder;
-    *out = (struct lx_clocked_word){
-        .bits = self->got, .count = DG_TENBIT_BITS, .error = self->error, .warning = self->warning};
+    *out = (struct dg_master_word){.bits = self->bits[encoder],
+                                   .count = DG_TENBIT_BITS,
+                                   .error = made.error,
+                                   .warning = made.warning};
 }
 
-static void note(const struct lx_clocked *base, const struct lx_clocked_wire *wire, size_t encoder,
-                 char *text, size_t size)
+static void note(const struct dg_bus_master *self, size_t encoder, struct dg_text *to)
 {
-    (void)wire;
-    (void)encoder;
-    (void)snprintf(text, size, "word %u", ((const struct word_line *)base)->got);
+    dg_master_say(to, "word ", self->bits[encoder]);
 }
 
-static const struct lx_clocked_protocol protocol = {
-    .clock = "CLOCK",
-    .data = "DATA",
-    .size = sizeof(struct word_line),
+static const struct dg_master_protocol reads = {
     .read = read_word,
     .judge = judge,
     .word = word,
     .note = note,
+};
+
+static const struct lx_clocked_protocol protocol = {
+    .clock = "CLOCK",
+    .data = "DATA",
+    .master = &reads,
 };
 
 /* --- a master, and somebody who listens --- */
@@ -94,9 +92,9 @@ struct heard {
 
 static struct host_rig_place place;
 static struct dg_encoder control;
-static struct word_line *line;
+static struct lx_clocked *line;
 static struct lx_tap tap;
-static struct lx_sim_master master;
+static struct dg_bus_master master;
 static struct heard heard;
 
 static void on_event(void *ctx, const struct dg_tap_event *event)
@@ -117,15 +115,15 @@ static void begin(const struct dg_plan_timing *timing)
         dg_host_init_on_bus(place.bytes, sizeof place.bytes, &dg_tenbit_low, &dg_tenbit_side);
     control = (struct dg_encoder){.name = "a", .instrument = &dg_tenbit_instrument};
     assert_int_equal(dg_host_power(host, BEGIN, true), DG_OK);
-    lx_clocked_close(line != NULL ? &line->base : NULL);
-    line = (struct word_line *)lx_clocked_new(&protocol);
+    lx_clocked_close(line);
+    line = lx_clocked_new(&protocol);
     assert_non_null(line);
     tap = (struct lx_tap){.first = NULL};
     heard = (struct heard){.listener = {.event = on_event, .ctx = &heard}, .clock = true};
     lx_tap_add(&tap, &heard.listener);
-    const struct dg_bus_edges_setup cable = lx_clocked_wire_cable(timing);
-    clocked_rig_connect(&line->base, host, &control, &cable, &tap);
-    lx_sim_master_init(&master, &tap, &line->base, timing, BEGIN);
+    made.verdict = DG_MASTER_GOOD;
+    made.error = made.warning = false;
+    clocked_rig_begin(&master, line, host, &control, timing, &tap);
 }
 
 static void begin_usual(void)
@@ -135,15 +133,15 @@ static void begin_usual(void)
 
 static void turn_to(unsigned position)
 {
-    dg_host_shaft(dg_bus_encoder(line->base.bus, 0), 0,
-                  (int64_t)position * (DG_TURN >> DG_TENBIT_BITS), 0);
+    dg_host_shaft(dg_bus_encoder(line->bus, 0), 0, (int64_t)position * (DG_TURN >> DG_TENBIT_BITS),
+                  0);
 }
 
 static unsigned word_of(unsigned position)
 {
     turn_to(position);
-    lx_sim_master_frame(&master);
-    return line->got;
+    dg_bus_master_read(&master);
+    return (unsigned)master.bits[0];
 }
 
 static void words_come_over_the_wire(void **state)
@@ -155,30 +153,30 @@ static void words_come_over_the_wire(void **state)
     }
     assert_string_equal(heard.note, "word 1023");
     assert_int_equal(heard.rises, DG_TENBIT_BITS * (DG_TENBIT_ALL + 1u));
-    assert_int_equal(master.wire.silent, 0);
+    assert_int_equal(master.silent, 0);
 }
 
 static void a_note_is_as_bad_as_its_frame(void **state)
 {
     static const struct {
-        enum lx_clocked_verdict verdict;
+        enum dg_master_verdict verdict;
         bool error;
         bool warning;
         enum dg_severity severity;
     } rows[] = {
-        {LX_CLOCKED_GOOD, false, false, DG_SEVERITY_OK},
-        {LX_CLOCKED_GOOD, false, true, DG_SEVERITY_WARNING},
-        {LX_CLOCKED_GOOD, true, false, DG_SEVERITY_ERROR},
-        {LX_CLOCKED_GOOD, true, true, DG_SEVERITY_ERROR},
-        {LX_CLOCKED_WRONG, false, false, DG_SEVERITY_ERROR},
-        {LX_CLOCKED_SILENT, false, false, DG_SEVERITY_ERROR},
+        {DG_MASTER_GOOD, false, false, DG_SEVERITY_OK},
+        {DG_MASTER_GOOD, false, true, DG_SEVERITY_WARNING},
+        {DG_MASTER_GOOD, true, false, DG_SEVERITY_ERROR},
+        {DG_MASTER_GOOD, true, true, DG_SEVERITY_ERROR},
+        {DG_MASTER_WRONG, false, false, DG_SEVERITY_ERROR},
+        {DG_MASTER_SILENT, false, false, DG_SEVERITY_ERROR},
     };
     (void)state;
     begin_usual();
     for (size_t i = 0; i < DG_COUNT(rows); i++) {
-        line->verdict = rows[i].verdict;
-        line->error = rows[i].error;
-        line->warning = rows[i].warning;
+        made.verdict = rows[i].verdict;
+        made.error = rows[i].error;
+        made.warning = rows[i].warning;
         (void)word_of(1);
         assert_int_equal(heard.severity, rows[i].severity);
     }
@@ -191,17 +189,17 @@ static void clocks_go_on(void **state)
     (void)state;
     begin_usual();
     turn_to(0x155);
-    assert_int_equal(take_word(&master.wire), 0x155);
+    assert_int_equal(take_word(&master), 0x155);
     turn_to(0x0AA);
-    assert_false(lx_clocked_wire_bit(&master.wire));
-    assert_int_equal(take_word(&master.wire), 0x155);
-    const dg_ns end = master.wire.now - DG_US(1) / 2 + DG_TENBIT_MONOFLOP;
-    const bool data = line->base.data;
-    lx_clocked_wire_pause(&master.wire, end - 1u);
-    assert_int_equal(dg_bus_next(line->base.bus), end);
-    assert_int_equal(line->base.data, data);
-    lx_clocked_wire_pause(&master.wire, end);
-    assert_true(line->base.data);
+    assert_false(dg_bus_master_bit(&master));
+    assert_int_equal(take_word(&master), 0x155);
+    const dg_ns end = master.now - DG_US(1) / 2 + DG_TENBIT_MONOFLOP;
+    const bool data = line->data;
+    dg_bus_master_pause(&master, end - 1u);
+    assert_int_equal(dg_bus_next(line->bus), end);
+    assert_int_equal(line->data, data);
+    dg_bus_master_pause(&master, end);
+    assert_true(line->data);
     assert_int_equal(word_of(0x0AA), 0x0AA);
 }
 
@@ -225,10 +223,10 @@ static void faults_come_and_go_between_frames(void **state)
     control.faults.fault[DG_WIRE_BREAK] =
         (struct dg_fault){.active = true, .probability_ppm = 1000000, .until = DG_NEVER};
     assert_int_equal(word_of(0x155), 0);
-    assert_false(line->base.data);
+    assert_false(line->data);
     control.faults = (struct dg_faults){0};
-    lx_sim_master_pause(&master, 0);
-    assert_true(line->base.data);
+    dg_bus_master_pause(&master, 0);
+    assert_true(line->data);
     assert_int_equal(word_of(0x155), 0x155);
 }
 
@@ -276,6 +274,6 @@ int main(void)
         cmocka_unit_test(a_line_has_no_more_encoders_than_its_protocol),
     };
     const int failed = cmocka_run_group_tests(tests, NULL, NULL);
-    lx_clocked_close(&line->base);
+    lx_clocked_close(line);
     return failed;
 }

@@ -134,8 +134,8 @@ static void begin_as(const struct dg_biss_model *model)
     struct dg_host *host = make(dg_device_find("s3674-biss"));
 
     *(struct dg_biss_model *)dg_host_line_of(host)->settings = *model;
-    begin_on(host, &lx_clocked_biss);
-    slave = lx_clocked_device(line, 0);
+    begin_on(host, lx_biss_stack.clocked);
+    slave = dg_bus_device(line->bus, 0);
 }
 
 /* A device whose frames end after `timeout`, 0: after its own. */
@@ -379,7 +379,7 @@ static void test_data_follows_the_supply_without_a_clock(void **state)
 
     (void)state;
     assert_int_equal(dg_host_set(host, "init_ms", "2"), DG_HOST_OK);
-    begin_on(host, &lx_clocked_ssi);
+    begin_on(host, lx_ssi_stack.clocked);
     for (unsigned i = 0; !fake.slo && i < RUNS_MAX; i++) {
         run();
     }

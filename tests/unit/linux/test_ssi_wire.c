@@ -16,23 +16,23 @@
 #include "clocked_rig.h"
 #include "drehgeber/devices.h"
 #include "drehgeber/instruments.h"
+#include "drehgeber/ssi.h"
 #include "engine.h"
 #include "host_rig.h"
 #include "plan_rig.h"
-#include "sim_master.h"
 #include "ssi_clocked.h"
 #include "ssi_rig.h"
 #include "station_rig.h"
 
-#define BEGIN DG_S(1)
+#define BEGIN CLOCKED_RIG_BEGIN
 
 static struct ssi_rig rig; /* world, shaft, model; not its encoder, nor its master */
 static struct host_rig_place place;
 static struct dg_encoder control;
-static struct lx_ssi_line *line;
+static struct lx_clocked *line;
 static struct dg_ssi *ssi;
 static struct lx_tap tap;
-static struct lx_sim_master master;
+static struct dg_bus_master master;
 
 static void begin_with(const struct dg_ssi_model *model, const struct dg_plan_timing *timing)
 {
@@ -44,14 +44,12 @@ static void begin_with(const struct dg_ssi_model *model, const struct dg_plan_ti
     *(struct dg_ssi_model *)dg_host_line_of(host)->settings = *model;
     *dg_host_world(host) = rig.world;
     assert_int_equal(dg_host_power(host, BEGIN, true), DG_OK);
-    lx_clocked_close(line != NULL ? &line->base : NULL);
-    line = (struct lx_ssi_line *)lx_clocked_new(&lx_clocked_ssi);
+    lx_clocked_close(line);
+    line = lx_clocked_new(lx_ssi_stack.clocked);
     assert_non_null(line);
-    const struct dg_bus_edges_setup cable = lx_clocked_wire_cable(timing);
-    clocked_rig_connect(&line->base, host, &control, &cable, &tap);
-    ssi = lx_clocked_device(&line->base, 0);
-    lx_sim_master_init(&master, &tap, &line->base, timing, BEGIN);
-    lx_sim_master_pause(&master, BEGIN + model->init);
+    clocked_rig_begin(&master, line, host, &control, timing, &tap);
+    ssi = dg_bus_device(line->bus, 0);
+    dg_bus_master_pause(&master, BEGIN + model->init);
 }
 
 static void begin(const struct dg_device *device)
@@ -66,10 +64,10 @@ static uint64_t turn_to(uint32_t count)
     return ssi_rig_word(&rig.model, count, false);
 }
 
-static enum lx_clocked_verdict read_word(void)
+static enum dg_master_verdict read_word(void)
 {
-    lx_sim_master_frame(&master);
-    return line->base.protocol->judge(&line->base, 0);
+    dg_bus_master_read(&master);
+    return dg_ssi_master.judge(&master, 0);
 }
 
 static void let_happen(enum dg_wire_fault fault, uint32_t count)
@@ -91,23 +89,25 @@ static void words_come_over_the_wire(void **state)
         const unsigned unused = 34u - ssi_rig_bits(&rig.model);
         for (uint32_t n = 1; n < 200; n++) {
             const uint64_t word = turn_to(n * 0x9E3779B1u >> (i < 2 ? unused - 2u : 4u));
-            assert_int_equal(read_word(), LX_CLOCKED_GOOD);
-            assert_int_equal(line->frame.bits, word);
+            assert_int_equal(read_word(), DG_MASTER_GOOD);
+            assert_int_equal(master.bits[0], word);
         }
         assert_int_equal(ssi->counters.frames, 199); /* each its own: the pause is enough */
         assert_int_equal(ssi->counters.repeats, 0);
         assert_int_equal(ssi->counters.aborted, 0);
-        assert_int_equal(master.wire.silent, 0);
-        assert_int_equal(line->base.protocol->rises(&line->base), ssi_rig_bits(&rig.model) + 1u);
+        assert_int_equal(master.silent, 0);
+        assert_int_equal(dg_ssi_master.rises(line->bus), ssi_rig_bits(&rig.model) + 1u);
     }
 }
 
 static void expect_texts(const char *printed, const char *noted)
 {
-    char text[LX_SIM_NOTE_MAX];
-    line->base.protocol->print(&line->base, 0, text, sizeof text);
+    char text[DG_BUS_NOTE_MAX];
+    struct dg_text to = dg_text_in(text, sizeof text);
+    dg_ssi_master.line(&master, 0, &to);
     assert_string_equal(text, printed);
-    line->base.protocol->note(&line->base, &master.wire, 0, text, sizeof text);
+    to = dg_text_in(text, sizeof text);
+    dg_ssi_master.note(&master, 0, &to);
     assert_string_equal(text, noted);
 }
 
@@ -117,21 +117,21 @@ static void what_is_said_of_a_word(void **state)
     (void)state;
     begin(&dg_ssi_13);
     (void)turn_to(2048);
-    assert_int_equal(read_word(), LX_CLOCKED_GOOD);
+    assert_int_equal(read_word(), DG_MASTER_GOOD);
     expect_texts("MT 0  ST 2048  90.000000 deg", "position 0:2048");
     begin(&dg_ssi_28);
     (void)turn_to(3u << 16 | 1u << 15);
-    dg_host_world(dg_bus_encoder(line->base.bus, 0))->watchdog_fired = true;
-    assert_int_equal(read_word(), LX_CLOCKED_GOOD);
+    dg_host_world(dg_bus_encoder(line->bus, 0))->watchdog_fired = true;
+    assert_int_equal(read_word(), DG_MASTER_GOOD);
     expect_texts("MT 3  ST 32768  180.000000 deg  error 1  parity valid",
                  "position 3:32768  error 1  parity ok");
-    line->frame.bits ^= 1u;
-    assert_int_equal(line->base.protocol->judge(&line->base, 0), LX_CLOCKED_WRONG);
+    master.bits[0] ^= 1u;
+    assert_int_equal(dg_ssi_master.judge(&master, 0), DG_MASTER_WRONG);
     expect_texts("MT 3  ST 32768  180.000000 deg  error 1  parity WRONG",
                  "position 3:32768  error 1  parity wrong");
     model.parity = DG_SSI_PARITY_NONE;
     begin_with(&model, &dg_plan_timing_usual);
-    assert_int_equal(read_word(), LX_CLOCKED_GOOD);
+    assert_int_equal(read_word(), DG_MASTER_GOOD);
     expect_texts("MT 0  ST 0  0.000000 deg  error 0", "position 0:0  error 0");
 }
 
@@ -140,13 +140,13 @@ static void without_power_nobody_answers(void **state)
     (void)state;
     begin(&dg_ssi_13);
     dg_ssi_power_off(ssi);
-    lx_sim_master_pause(&master, master.wire.now);
-    assert_int_equal(read_word(), LX_CLOCKED_SILENT);
-    assert_int_equal(master.wire.silent, 1);
-    dg_ssi_power_on(ssi, master.wire.now);
-    assert_int_equal(read_word(), LX_CLOCKED_SILENT); /* it is not ready yet */
-    lx_sim_master_pause(&master, master.wire.now + DG_S(1));
-    assert_int_equal(read_word(), LX_CLOCKED_GOOD);
+    dg_bus_master_pause(&master, master.now);
+    assert_int_equal(read_word(), DG_MASTER_SILENT);
+    assert_int_equal(master.silent, 1);
+    dg_ssi_power_on(ssi, master.now);
+    assert_int_equal(read_word(), DG_MASTER_SILENT); /* it is not ready yet */
+    dg_bus_master_pause(&master, master.now + DG_S(1));
+    assert_int_equal(read_word(), DG_MASTER_GOOD);
 }
 
 /* --- the wire --- */
@@ -159,14 +159,14 @@ static void clocks_from_one_word_in_a_monoflop_time_to_10_mhz(void **state)
     for (size_t i = 0; i < DG_COUNT(rates); i++) {
         begin_with(model, &(struct dg_plan_timing){.clock_hz = rates[i]});
         const uint64_t word = turn_to(0x1234567);
-        assert_int_equal(read_word(), LX_CLOCKED_GOOD);
-        assert_int_equal(line->frame.bits, word);
+        assert_int_equal(read_word(), DG_MASTER_GOOD);
+        assert_int_equal(master.bits[0], word);
         assert_int_equal(ssi->counters.fast, i < 3 ? 0 : 25);
     }
     begin_with(model, &(struct dg_plan_timing){.clock_hz = DG_PLAN_CLOCK_MIN_HZ});
     (void)turn_to(0);
-    assert_int_equal(read_word(), LX_CLOCKED_GOOD); /* which it cannot know */
-    assert_int_equal(line->frame.bits, (1u << 25) - 1u);
+    assert_int_equal(read_word(), DG_MASTER_GOOD); /* which it cannot know */
+    assert_int_equal(master.bits[0], (1u << 25) - 1u);
 }
 
 /* From no cable to 1 km of it, at clocks of which it takes many. */
@@ -189,12 +189,12 @@ static void a_cable_is_made_up_for(void **state)
         begin_with(dg_ssi_model_of(&dg_ssi_28), &rows[i]);
         for (uint32_t n = 1; n < 50; n++) {
             const uint64_t word = turn_to(n * 0x9E3779B1u >> 4);
-            assert_int_equal(read_word(), LX_CLOCKED_GOOD);
-            assert_int_equal(line->frame.bits, word);
+            assert_int_equal(read_word(), DG_MASTER_GOOD);
+            assert_int_equal(master.bits[0], word);
         }
         assert_int_equal(ssi->counters.frames, 49);
         let_happen(DG_WIRE_DROP, 1);
-        assert_int_equal(read_word(), LX_CLOCKED_SILENT);
+        assert_int_equal(read_word(), DG_MASTER_SILENT);
     }
 }
 
@@ -205,13 +205,13 @@ static void a_master_that_does_not_compensate_is_right_up_to_half_a_period(void 
     (void)state;
     begin_with(model, &timing);
     const uint64_t word = turn_to(4779);
-    assert_int_equal(read_word(), LX_CLOCKED_GOOD);
-    assert_int_equal(line->frame.bits, word);
+    assert_int_equal(read_word(), DG_MASTER_GOOD);
+    assert_int_equal(master.bits[0], word);
     timing.line_delay_ns = 251;
     begin_with(model, &timing);
     (void)turn_to(4779);
     (void)read_word();
-    assert_int_equal(line->frame.bits, 1u << 12 | word >> 1);
+    assert_int_equal(master.bits[0], 1u << 12 | word >> 1);
 }
 
 /* --- faults --- */
@@ -222,19 +222,19 @@ static void a_dead_driver_reads_low(void **state)
     begin(&dg_ssi_13);
     const uint64_t word = turn_to(4779);
     let_happen(DG_WIRE_DROP, 1);
-    assert_int_equal(read_word(), LX_CLOCKED_SILENT);
-    assert_int_equal(read_word(), LX_CLOCKED_GOOD);
-    assert_int_equal(line->frame.bits, word);
+    assert_int_equal(read_word(), DG_MASTER_SILENT);
+    assert_int_equal(read_word(), DG_MASTER_GOOD);
+    assert_int_equal(master.bits[0], word);
     let_happen(DG_WIRE_BREAK, 0);
-    lx_sim_master_pause(&master, 0);
-    assert_false(line->base.data);
-    assert_int_equal(read_word(), LX_CLOCKED_SILENT);
-    assert_int_equal(read_word(), LX_CLOCKED_SILENT);
+    dg_bus_master_pause(&master, 0);
+    assert_false(line->data);
+    assert_int_equal(read_word(), DG_MASTER_SILENT);
+    assert_int_equal(read_word(), DG_MASTER_SILENT);
     control.faults = (struct dg_faults){0};
-    lx_sim_master_pause(&master, 0);
-    assert_true(line->base.data);
-    assert_int_equal(read_word(), LX_CLOCKED_GOOD);
-    assert_int_equal(master.wire.silent, 3);
+    dg_bus_master_pause(&master, 0);
+    assert_true(line->data);
+    assert_int_equal(read_word(), DG_MASTER_GOOD);
+    assert_int_equal(master.silent, 3);
 }
 
 /* Only a parity bit tells. */
@@ -248,8 +248,8 @@ static void a_damage_flips_a_bit_of_the_word(void **state)
         const uint64_t word = turn_to(4779);
         for (unsigned n = 0; n < 400; n++) {
             let_happen(DG_WIRE_DAMAGE, 1);
-            assert_int_equal(read_word(), i == 0 ? LX_CLOCKED_GOOD : LX_CLOCKED_WRONG);
-            const uint64_t bit = line->frame.bits ^ word;
+            assert_int_equal(read_word(), i == 0 ? DG_MASTER_GOOD : DG_MASTER_WRONG);
+            const uint64_t bit = master.bits[0] ^ word;
             assert_true(bit != 0 && (bit & (bit - 1u)) == 0);
             flipped |= bit;
         }
@@ -263,9 +263,9 @@ static void a_delay_moves_the_word_by_a_clock(void **state)
     begin(&dg_ssi_28);
     const uint64_t word = turn_to(0x1230001); /* no error, parity 1: no 0 behind it */
     let_happen(DG_WIRE_DELAY, 1);
-    assert_int_equal(read_word(), LX_CLOCKED_SILENT);
-    assert_int_equal(line->frame.bits, 1u << 29 | word >> 1);
-    assert_int_equal(read_word(), LX_CLOCKED_GOOD);
+    assert_int_equal(read_word(), DG_MASTER_SILENT);
+    assert_int_equal(master.bits[0], 1u << 29 | word >> 1);
+    assert_int_equal(read_word(), DG_MASTER_GOOD);
 }
 
 /* --- from a plan --- */
@@ -373,6 +373,6 @@ int main(void)
         cmocka_unit_test(a_plan_makes_the_line),
     };
     const int failed = cmocka_run_group_tests(tests, NULL, NULL);
-    lx_clocked_close(&line->base);
+    lx_clocked_close(line);
     return failed;
 }

@@ -6,10 +6,31 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import NamedTuple
 
-from ..chain import CRC4, CRC6, Layout, remainder
-
 ZEROS = 14  # before a control frame
 CTS_BITS, CRC4_BITS, DATA_BITS = 11, 4, 8
+CRC6, CRC4 = (6, 0x43), (4, 0x13)
+
+
+def remainder(bits: int, width: int, code: tuple[int, int]) -> int:
+    """The check sum of `width` bits, as sent: inverted."""
+    length, polynomial = code
+    bits <<= length
+    for place in range(width - 1, -1, -1):
+        if bits >> place + length & 1:
+            bits ^= polynomial << place
+    return bits ^ (1 << length) - 1
+
+
+class Layout(NamedTuple):
+    """Bits of a frame behind CDS: MT, ST, nERR, nWARN, LC, CRC6 inverted."""
+
+    multiturn: int
+    singleturn: int
+    life: int
+
+    @property
+    def width(self) -> int:
+        return self.multiturn + self.singleturn + 2 + self.life + CRC6[0]
 
 
 class Frame(NamedTuple):

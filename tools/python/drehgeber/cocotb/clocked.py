@@ -11,9 +11,8 @@ from cocotb.triggers import Event
 
 from .. import _native
 from .._native import EncoderError, checked
-from ..chain import Layout
 from ..shaft import TURN, Shaft
-from .biss_line import Access, BissLine, Frame
+from .biss_line import Access, BissLine, Frame, Layout
 from .simulation import (
     LEAD_PS, Delay, News, SimulatedEncoder, drive, level_of, now_ps, ps_of, start,
 )  # fmt: skip

@@ -22,6 +22,7 @@ extern "C" {
 struct dg_bus_side;
 struct dg_host_wire;
 struct dg_instrument;
+struct dg_master_protocol;
 
 /** Bits of a word. */
 #define DG_TENBIT_BITS 10u
@@ -62,6 +63,8 @@ DG_API extern const struct dg_keys dg_tenbit_keys;
 DG_API extern const struct dg_host_wire dg_tenbit_wire;
 DG_API extern const struct dg_bus_side dg_tenbit_side;
 DG_API extern const struct dg_instrument dg_tenbit_instrument;
+/** Its master, see bus_master.h. */
+DG_API extern const struct dg_master_protocol dg_tenbit_master;
 /** What looks at a device that somebody has made, see stack.h. */
 DG_API extern const struct dg_stack_check dg_tenbit_state;
 
