@@ -12,10 +12,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "biss_clocked.h"
 #include "can_bus.h"
-#include "hf_settings.h"
-#include "modbus_settings.h"
+#include "stacks.h"
 #include "trace.h"
 
 #define WORDS_MAX 512u
@@ -32,7 +30,7 @@ static const struct {
 } stacks[] = {
     {"rs485", &lx_hf_stack},
     {"biss", &lx_biss_stack},
-    {"can", &lx_can_stack},
+    {"can", &lx_cia406_stack},
     {"interbus", &lx_ib_stack},
 };
 

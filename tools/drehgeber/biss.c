@@ -4,10 +4,10 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "biss_clocked.h"
 #include "biss_eds.h"
 #include "drehgeber/figure.h"
 #include "run.h"
+#include "stacks.h"
 #include "wire_session.h"
 
 #define RIGHT "read, registers [BANK:]ADDR N, eds, write [BANK:]ADDR BYTES or command N"

@@ -5,7 +5,6 @@
 #include <stdio.h>
 #include <unistd.h>
 
-#include "can_bus.h"
 #include "ctl.h"
 #include "drehgeber/drehgeber.h"
 #include "eds_file.h"
@@ -52,7 +51,7 @@ static int eds(const struct options *options)
     const struct dg_co_sheet *sheet = dg_cia406_sheet_of(device);
     if (sheet == NULL) {
         struct lx_words right = {""};
-        lx_stack_models(&lx_can_stack, &right);
+        lx_stack_models(&lx_cia406_stack, &right);
         lx_complain("eds needs a CANopen model; valid:%s", right.text);
         return EXIT_USAGE;
     }

@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "run.h"
-#include "ssi_clocked.h"
+#include "stacks.h"
 #include "wire_session.h"
 
 static int act(struct wire_session *self, struct words *words, struct lx_error *error);

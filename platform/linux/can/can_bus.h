@@ -67,7 +67,4 @@ uint64_t lx_can_node_kbaud(const struct lx_can_node *self);
 /** Say so when two services of the node have come to share a CAN-ID. */
 void lx_can_tell_shared(struct lx_can_node *self);
 
-/** The protocol, as the port knows it. */
-extern const struct lx_stack lx_can_stack;
-
 #endif

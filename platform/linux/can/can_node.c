@@ -16,7 +16,7 @@ static uint32_t without(const struct dg_device *device)
     return dg_cia406_without(dg_cia406_model_of(device));
 }
 
-const struct lx_stack lx_can_stack = {
+const struct lx_stack lx_cia406_stack = {
     .core = &dg_cia406_stack,
     .handle = &dg_cia406_wire,
     .trace = &(const struct lx_trace_kind){"CAN", {&lx_trace_log, &lx_trace_pcapng}, false},

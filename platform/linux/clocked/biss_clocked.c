@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-#include "biss_clocked.h"
 
 #include <stddef.h>
 
 #include "clocked.h"
 #include "drehgeber/biss.h"
 #include "sim_bus.h"
+#include "stacks.h"
 #include "trace_format.h"
 
 #define CLOCK_NAME "MA"

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-#include "ssi_clocked.h"
 
 #include <stddef.h>
 
 #include "clocked.h"
 #include "drehgeber/ssi.h"
 #include "sim_bus.h"
+#include "stacks.h"
 #include "trace_format.h"
 
 #define CLOCK_NAME "CLOCK"

@@ -10,7 +10,7 @@
 #include "bus.h"
 #include "drehgeber/bus_words.h"
 #include "drehgeber/interbus.h"
-#include "modbus_settings.h"
+#include "stacks.h"
 
 /** Words of either image at most. */
 #define LX_RING_WORDS_MAX ((size_t)DG_RING_WORDS_MAX * DG_RING_MAX)

@@ -9,10 +9,12 @@
 #include <string.h>
 
 #include "bus.h"
+#include "drehgeber/interbus.h"
 #include "endpoint.h"
 #include "modbus.h"
-#include "modbus_settings.h"
 #include "ring_silkit.h"
+#include "stacks.h"
+#include "trace_format.h"
 
 struct ring_bus {
     struct lx_bus bus;
@@ -201,6 +203,17 @@ static void close_bus(struct lx_bus *bus)
     lx_ring_close(&self->ring);
     free(self);
 }
+
+/* --- the protocol --- */
+
+const struct lx_stack lx_ib_stack = {
+    .core = &dg_ib_stack,
+    .handle = &dg_ib_wire,
+    .trace = &(const struct lx_trace_kind){"INTERBUS", {&lx_trace_csv}, false},
+    .wire = "modbus",
+    .spoiled = "the encoder answers 86000000h",
+    .is_ring = true,
+};
 
 static const struct lx_bus_ops bus_ops = {
     LX_BUS_OPERATIONS,

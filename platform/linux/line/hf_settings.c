@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "hf_settings.h"
+#include "stacks.h"
 #include "trace_format.h"
 
 /* Sine and cosine in a trace: time between samples; 0: none. */

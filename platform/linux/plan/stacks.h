@@ -8,6 +8,7 @@
 
 #include "drehgeber/devices.h"
 #include "drehgeber/host_wire.h"
+#include "drehgeber/protocols.h"
 #include "drehgeber/world.h"
 #include "key.h"
 #include "plan.h"
@@ -34,6 +35,11 @@ struct lx_stack {
     /** All are set: do they fit each other? @return 0, or -1 with `error`. NULL: they always do */
     int (*check)(const void *settings, struct lx_error *error);
 };
+
+/** That of each protocol, in the file with its settings. */
+#define LX_STACK(name) extern const struct lx_stack lx_##name##_stack;
+DG_PROTOCOLS(LX_STACK)
+#undef LX_STACK
 
 /** All of them. */
 extern const struct lx_stack *const lx_stacks[];

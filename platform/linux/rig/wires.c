@@ -1,16 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /* One row for each kind of wire and for each protocol. */
-#include "biss_clocked.h"
 #include "bus.h"
-#include "can_bus.h"
-#include "drehgeber/interbus.h"
-#include "hf_settings.h"
-#include "modbus_settings.h"
-#include "silkit.h"
-#include "ssi_clocked.h"
 
 const struct lx_stack *const lx_stacks[] = {
-    &lx_hf_stack, &lx_biss_stack, &lx_ssi_stack, &lx_can_stack, &lx_ib_stack,
+    &lx_hf_stack, &lx_biss_stack, &lx_ssi_stack, &lx_cia406_stack, &lx_ib_stack,
 };
 const size_t lx_stack_count = DG_COUNT(lx_stacks);
 

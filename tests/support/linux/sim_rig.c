@@ -8,9 +8,9 @@
 
 #include <cmocka.h>
 
-#include "biss_clocked.h"
 #include "biss_rig.h"
 #include "drehgeber/devices.h"
+#include "stacks.h"
 #include "station_rig.h"
 #include "timer.h"
 

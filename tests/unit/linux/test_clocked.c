@@ -15,13 +15,13 @@
 
 #include <cmocka.h>
 
-#include "biss_clocked.h"
 #include "clocked_rig.h"
 #include "drehgeber/host_wire.h"
 #include "drehgeber/instrument.h"
 #include "drehgeber/tenbit.h"
 #include "host_rig.h"
 #include "sim_rig.h"
+#include "stacks.h"
 
 #define BEGIN CLOCKED_RIG_BEGIN
 

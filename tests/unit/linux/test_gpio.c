@@ -17,13 +17,12 @@
 #include <sys/eventfd.h>
 #include <unistd.h>
 
-#include "biss_clocked.h"
 #include "clocked_rig.h"
 #include "drehgeber/devices.h"
 #include "drehgeber/instruments.h"
 #include "gpio.h"
 #include "host_rig.h"
-#include "ssi_clocked.h"
+#include "stacks.h"
 
 #define QUEUE_MAX 64u
 #define RUNS_MAX 2000u

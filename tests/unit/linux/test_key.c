@@ -12,9 +12,8 @@
 #include <cmocka.h>
 
 #include "engine.h"
-#include "hf_settings.h"
-#include "modbus_settings.h"
 #include "plan_rig.h"
+#include "stacks.h"
 #include "station_rig.h"
 #include "wire.h"
 

@@ -20,8 +20,8 @@
 #include "engine.h"
 #include "host_rig.h"
 #include "plan_rig.h"
-#include "ssi_clocked.h"
 #include "ssi_rig.h"
+#include "stacks.h"
 #include "station_rig.h"
 
 #define BEGIN CLOCKED_RIG_BEGIN

@@ -17,11 +17,9 @@
 
 #include <cmocka.h>
 
-#include "biss_clocked.h"
 #include "can_bus.h"
 #include "drehgeber/bits.h"
-#include "hf_settings.h"
-#include "modbus_settings.h"
+#include "stacks.h"
 #include "stderr_heard.h"
 #include "trace.h"
 
@@ -118,13 +116,13 @@ static void endings_are_checked(void **state)
     } names[] = {
         {&lx_hf_stack, "a.vcd", NULL},
         {&lx_biss_stack, "a.vcd", NULL},
-        {&lx_can_stack, "a.log", NULL},
-        {&lx_can_stack, "a.pcapng", NULL},
-        {&lx_can_stack, "a.pcap", NULL},
+        {&lx_cia406_stack, "a.log", NULL},
+        {&lx_cia406_stack, "a.pcapng", NULL},
+        {&lx_cia406_stack, "a.pcap", NULL},
         {&lx_ib_stack, "a.csv", NULL},
         {&lx_hf_stack, "a.log", "a trace of RS485 ends in .vcd"},
         {&lx_biss_stack, "a.csv", "ends in .vcd"},
-        {&lx_can_stack, "a.vcd", "ends in .log, .pcapng, .pcap"},
+        {&lx_cia406_stack, "a.vcd", "ends in .log, .pcapng, .pcap"},
         {&lx_ib_stack, "csv", "ends in .csv"},
         {&lx_ib_stack, ".csv", "ends in .csv"},
         {&lx_ib_stack, "no/such/folder.csv", "No such file or directory"},
@@ -166,7 +164,7 @@ static void a_full_disk_ends_the_trace_not_the_wire(void **state)
     struct stderr_heard heard;
     (void)snprintf(place->path, sizeof place->path, "%s/full.log", place->folder);
     assert_int_equal(symlink("/dev/full", place->path), 0);
-    struct lx_trace *trace = open_trace(place, "full.log", &lx_can_stack, 0);
+    struct lx_trace *trace = open_trace(place, "full.log", &lx_cia406_stack, 0);
     assert_non_null(trace);
     tell_frame(place, DG_MS(10), true, (struct dg_can_frame){.id = 1});
     stderr_hear(&heard);
@@ -186,13 +184,13 @@ static void a_full_disk_is_seen_at_once_or_at_the_end(void **state)
     struct place *place = *state;
     (void)snprintf(place->path, sizeof place->path, "%s/full.pcapng", place->folder);
     assert_int_equal(symlink("/dev/full", place->path), 0);
-    assert_null(open_trace(place, "full.pcapng", &lx_can_stack, 0));
+    assert_null(open_trace(place, "full.pcapng", &lx_cia406_stack, 0));
     assert_non_null(strstr(lx_error_line(&place->error).text, "No space left on device"));
     (void)unlink(place->path);
 
     (void)snprintf(place->path, sizeof place->path, "%s/full.log", place->folder);
     assert_int_equal(symlink("/dev/full", place->path), 0);
-    struct lx_trace *trace = open_trace(place, "full.log", &lx_can_stack, 0);
+    struct lx_trace *trace = open_trace(place, "full.log", &lx_cia406_stack, 0);
     tell_frame(place, DG_MS(10), true, (struct dg_can_frame){.id = 1});
     assert_int_equal(lx_trace_close(trace, &place->error), -1);
     assert_non_null(
@@ -204,7 +202,7 @@ static void a_limit_of_the_file_is_a_full_disk(void **state)
 {
     struct place *place = *state;
     struct rlimit old;
-    struct lx_trace *trace = open_trace(place, "a.log", &lx_can_stack, 0);
+    struct lx_trace *trace = open_trace(place, "a.log", &lx_cia406_stack, 0);
     assert_non_null(trace);
     assert_int_equal(getrlimit(RLIMIT_FSIZE, &old), 0);
     const struct rlimit small = {.rlim_cur = 100, .rlim_max = old.rlim_max};
@@ -224,14 +222,14 @@ static void a_pipe_without_a_reader_is_refused(void **state)
     struct place *place = *state;
     (void)snprintf(place->path, sizeof place->path, "%s/fifo.log", place->folder);
     assert_int_equal(mkfifo(place->path, 0600), 0);
-    assert_null(open_trace(place, "fifo.log", &lx_can_stack, 0));
+    assert_null(open_trace(place, "fifo.log", &lx_cia406_stack, 0));
     assert_non_null(strstr(lx_error_line(&place->error).text, "fifo.log: cannot open: "));
 }
 
 static void written_every_second(void **state)
 {
     struct place *place = *state;
-    struct lx_trace *trace = open_trace(place, "a.log", &lx_can_stack, DG_S(5));
+    struct lx_trace *trace = open_trace(place, "a.log", &lx_cia406_stack, DG_S(5));
     assert_non_null(trace);
     tell_frame(place, DG_S(5) + DG_MS(999), true, (struct dg_can_frame){.id = 1});
     read_file(place);
@@ -247,10 +245,10 @@ static void written_every_second(void **state)
 static void two_traces_of_a_tap(void **state)
 {
     struct place *place = *state;
-    struct lx_trace *log = open_trace(place, "a.log", &lx_can_stack, 0);
+    struct lx_trace *log = open_trace(place, "a.log", &lx_cia406_stack, 0);
     char path[64];
     (void)strcpy(path, place->path);
-    struct lx_trace *pcap = open_trace(place, "a.pcapng", &lx_can_stack, 0);
+    struct lx_trace *pcap = open_trace(place, "a.pcapng", &lx_cia406_stack, 0);
     assert_true(log != NULL && pcap != NULL);
     assert_int_equal(lx_trace_close(log, &place->error), 0);
     assert_int_equal(unlink(path), 0);
@@ -278,7 +276,7 @@ static void candump_lines(void **state)
     };
     struct place *place = *state;
     const double before = wall_clock();
-    struct lx_trace *trace = open_trace(place, "a.log", &lx_can_stack, DG_S(1000));
+    struct lx_trace *trace = open_trace(place, "a.log", &lx_cia406_stack, DG_S(1000));
     const double after = wall_clock();
     assert_non_null(trace);
     tell_note(place, DG_S(1000), "not a frame");
@@ -327,7 +325,7 @@ static void pcapng_blocks(void **state)
     const struct dg_can_frame data = {.id = 0x123, .dlc = 3, .data = {0xA, 0xB, 0xC, 0xD}};
     const struct dg_can_frame remote = {.id = 0x7FF, .rtr = true, .dlc = 4, .data = {9}};
     struct place *place = *state;
-    struct lx_trace *trace = open_trace(place, "a.pcapng", &lx_can_stack, 0);
+    struct lx_trace *trace = open_trace(place, "a.pcapng", &lx_cia406_stack, 0);
     assert_non_null(trace);
     tell_note(place, 0, "not a frame");
     tell_frame(place, DG_S(9), false, data);

@@ -13,10 +13,8 @@
 
 #include <cmocka.h>
 
-#include "biss_clocked.h"
 #include "can_bus.h"
-#include "hf_settings.h"
-#include "modbus_settings.h"
+#include "stacks.h"
 #include "trace.h"
 
 /* A folder of its own, and what was read of a file. */
@@ -97,9 +95,9 @@ static void a_client_replaces_a_trace_of_its_kind_only(void **state)
     } rows[] = {
         {&lx_hf_stack, "a.vcd", 0, 19, "$comment drehgeber:"},
         {&lx_biss_stack, "b.vcd", 0, 19, "$comment drehgeber:"},
-        {&lx_can_stack, "c.pcapng", 24, 13, "\x04\0\x09\0drehgeber"},
-        {&lx_can_stack, "d.pcap", 24, 13, "\x04\0\x09\0drehgeber"},
-        {&lx_can_stack, "e.log", 0, 0, ""},
+        {&lx_cia406_stack, "c.pcapng", 24, 13, "\x04\0\x09\0drehgeber"},
+        {&lx_cia406_stack, "d.pcap", 24, 13, "\x04\0\x09\0drehgeber"},
+        {&lx_cia406_stack, "e.log", 0, 0, ""},
         {&lx_ib_stack, "f.csv", 0, 12, "time_s,in_0,"},
     };
     struct place *place = *state;

@@ -12,7 +12,7 @@
 
 #include <cmocka.h>
 
-#include "hf_settings.h"
+#include "stacks.h"
 #include "trace.h"
 
 #define CHANGES_MAX 16384u

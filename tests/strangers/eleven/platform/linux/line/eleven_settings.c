@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "eleven_settings.h"
-
+#include "stacks.h"
 #include "trace_format.h"
 
 const struct lx_stack lx_eleven_stack = {

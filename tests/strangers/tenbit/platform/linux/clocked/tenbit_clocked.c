@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /* What a plan knows of it. */
-#include "tenbit_clocked.h"
 
 #include "clocked.h"
 #include "drehgeber/tenbit.h"
+#include "stacks.h"
 #include "trace_format.h"
 
 static int check(const struct lx_bus_setup *setup, const struct lx_station *station,
