@@ -428,10 +428,11 @@ static void open_coupler(void)
                                           .cycle = DG_S(3600),
                                           .drive = drive};
     fuzz_must(lx_modbus_open(&bench.coupler, &setup, &error) == 0);
-    fuzz_must(getsockname(bench.coupler.listener, (struct sockaddr *)&bench.port, &length) == 0);
-    hurry(bench.coupler.listener); /* its connections inherit it */
+    fuzz_must(getsockname(bench.coupler.peers.listener, (struct sockaddr *)&bench.port, &length) ==
+              0);
+    hurry(bench.coupler.peers.listener); /* its connections inherit it */
     /* Thousands of connections a second are what is wanted here. */
-    fuzz_must(sd_event_source_set_ratelimit(bench.coupler.io, 0, 0) >= 0);
+    fuzz_must(sd_event_source_set_ratelimit(bench.coupler.peers.io, 0, 0) >= 0);
     for (size_t i = 0; i < SOCKETS; i++) {
         bench.clients[i].fd = -1;
     }
@@ -440,10 +441,11 @@ static void open_coupler(void)
 /* In a crowd most places belong to others, who are heard all the time. */
 static void set_places(bool crowded)
 {
+    static struct lx_peer other = {.heard = DG_NEVER, .end = DG_NEVER};
+
     bench.crowded = crowded;
-    for (size_t i = PLACES; i < LX_MODBUS_CLIENTS; i++) {
-        bench.coupler.clients[i] = (struct lx_modbus_client){.fd = crowded ? INT_MAX : -1,
-                                                             .heard = crowded ? DG_NEVER : 0};
+    for (size_t i = PLACES; i < LX_PEERS_MAX; i++) {
+        bench.coupler.peers.peer[i] = crowded ? &other : NULL;
     }
 }
 
@@ -513,10 +515,10 @@ static void check_service(void)
 
 static bool occupied(void)
 {
-    const size_t places = bench.crowded ? PLACES : LX_MODBUS_CLIENTS;
+    const size_t places = bench.crowded ? PLACES : LX_PEERS_MAX;
 
     for (size_t i = 0; i < places; i++) {
-        if (bench.coupler.clients[i].fd >= 0) {
+        if (bench.coupler.peers.peer[i] != NULL) {
             return true;
         }
     }

@@ -23,6 +23,9 @@
 #include "drehgeber/api.h"
 
 #define OPEN_WORD ",open"
+/* What a client that is sent away may still send, and for how long. */
+#define FAREWELL_BYTES 65536u
+#define FAREWELL DG_S(2)
 
 /* --- the address --- */
 
@@ -115,7 +118,7 @@ static bool has_room(const struct lx_peer *peer)
 static void watch(struct lx_peer *peer)
 {
     const bool takes = !peer->all->paused && has_room(peer);
-    const bool reads = takes && peer->count == 0 && peer->end == DG_NEVER;
+    const bool reads = peer->away || (takes && peer->count == 0 && peer->end == DG_NEVER);
     const bool writes = (peer->output_count > 0 && !peer->held) || (takes && peer->count > 0);
     const uint32_t events = (reads ? (uint32_t)EPOLLIN : 0u) | (writes ? (uint32_t)EPOLLOUT : 0u);
     (void)sd_event_source_set_io_events(peer->io, events);
@@ -176,7 +179,7 @@ static void hand_over(struct lx_peer *peer, dg_ns now)
     struct lx_peers *self = peer->all;
     const bool inside = self->taking;
     self->taking = true;
-    while (peer->count > 0 && !self->paused && has_room(peer)) {
+    while (peer->count > 0 && !self->paused && has_room(peer) && !peer->away && !peer->broken) {
         const uint8_t byte = peer->chunk[peer->first++];
         peer->count--;
         self->setup.byte(self->setup.ctx, peer, now, byte, peer->count);
@@ -196,13 +199,35 @@ void lx_peers_pause(struct lx_peers *self, bool paused)
     lx_peers_flush(self);
 }
 
+void lx_peer_send_away(struct lx_peer *self)
+{
+    self->broken = shutdown(self->fd, SHUT_WR) != 0;
+    self->away = true;
+    self->count = 0;
+    self->heard = 0;
+    self->end = dg_after(lx_now(), FAREWELL);
+    await_leavers(self->all);
+}
+
 /* @return false: it begins as a browser does, and nothing of it is for the wire */
 static bool is_welcome(struct lx_peer *peer)
 {
     for (size_t i = 0; i < peer->count && peer->begun < sizeof peer->beginning; i++) {
         peer->beginning[peer->begun++] = peer->chunk[i];
     }
-    return !lx_begins_foreign(peer->beginning, peer->begun);
+    return peer->all->setup.strangers || !lx_begins_foreign(peer->beginning, peer->begun);
+}
+
+/* One that was sent away. @return false: it has gone, and `peer` with it */
+static bool forget(struct lx_peer *peer, ssize_t n)
+{
+    peer->count = 0;
+    peer->unheard += n > 0 ? (size_t)n : 0u;
+    if (n > 0 && peer->unheard <= FAREWELL_BYTES) {
+        return true;
+    }
+    drop(peer);
+    return false;
 }
 
 /* @return false: it has gone, and `peer` with it */
@@ -212,6 +237,9 @@ static bool receive(struct lx_peer *peer)
     const dg_ns now = lx_now();
     if (n < 0 && (errno == EAGAIN || errno == EINTR)) {
         return true;
+    }
+    if (peer->away) {
+        return forget(peer, n);
     }
     peer->first = 0;
     peer->count = n > 0 ? (size_t)n : 0;
@@ -242,10 +270,14 @@ static int on_event(sd_event_source *source, int fd, uint32_t events, void *ctx)
     if ((events & (uint32_t)EPOLLOUT) != 0) {
         send_output(peer);
     }
-    if ((events & (uint32_t)EPOLLIN) != 0 && peer->count == 0 && !receive(peer)) {
+    if ((events & (uint32_t)EPOLLIN) != 0 && (peer->count == 0 || peer->away) && !receive(peer)) {
         return 0;
     }
     hand_over(peer, lx_now());
+    if (peer->broken) {
+        drop(peer);
+        return 0;
+    }
     watch(peer);
     lx_peers_flush(self);
     return 0;
@@ -333,8 +365,8 @@ static void tell_address(struct lx_peers *self)
     (void)snprintf(self->address + n, sizeof self->address - n, "%s%s", word[0] == '\0' ? "" : ",",
                    word);
     if (!lx_endpoint_is_loopback(self->listener)) {
-        lx_note(self->setup.say, "%s:%s: beyond loopback; whoever reaches it is on this wire",
-                self->setup.name, self->address);
+        lx_note(self->setup.say, "%s:%s: beyond loopback; whoever reaches it %s", self->setup.name,
+                self->address, self->setup.beyond != NULL ? self->setup.beyond : "is on this wire");
     }
 }
 

@@ -52,11 +52,14 @@ struct lx_peer {
     struct lx_peers *all;
     int fd;
     sd_event_source *io;
-    dg_ns heard;  /**< when it said something last */
-    dg_ns end;    /**< it has ended sending: gone then; DG_NEVER: it has not */
-    bool held;    /**< it wants nothing now: what is for it waits. To be set inside setup.byte() */
-    size_t begun; /**< of `beginning` */
-    size_t first; /**< of `chunk`: read, and not yet handed to setup.byte() */
+    dg_ns heard; /**< when it said something last */
+    dg_ns end;   /**< it has ended sending: gone then; DG_NEVER: it has not */
+    bool held;   /**< it wants nothing now: what is for it waits. To be set inside setup.byte() */
+    bool broken; /**< it takes nothing any more, and goes; likewise */
+    bool away;   /**< it was sent away: what it still sends is forgotten, */
+    size_t unheard; /**< ... so much so far */
+    size_t begun;   /**< of `beginning` */
+    size_t first;   /**< of `chunk`: read, and not yet handed to setup.byte() */
     size_t count;
     size_t output_count;
     uint8_t beginning[LX_FOREIGN_MAX]; /**< of what it has sent */
@@ -69,7 +72,9 @@ struct lx_peer {
 struct lx_peers_setup {
     sd_event *event;
     const struct lx_say *say;
-    const char *name; /**< of the wire, for messages: "slcan:tcp" */
+    const char *name;   /**< of the wire, for messages: "slcan:tcp" */
+    const char *beyond; /**< what whoever reaches it beyond loopback does; NULL: is on this wire */
+    bool strangers;     /**< setup.byte() is told also what begins as HTTP or TLS do */
     const struct lx_peers_where *where;
     size_t own_size;
     dg_ns linger; /**< how long one that has ended sending still hears; 0: it goes at once */
@@ -112,6 +117,12 @@ bool lx_peer_put(struct lx_peer *self, const void *bytes, size_t n);
  * setup.byte() there is room for one always, except for a client that is held: it is listened to
  * without, since it may say that it wants to go on, and the answer is lost. */
 void lx_peer_answer(struct lx_peer *self, const void *bytes, size_t n);
+
+/** From inside setup.byte(): the client has all its answers, and hears that there are no more. What
+ * it still sends is read and forgotten until it has understood, as closing a connection with bytes
+ * that nobody has read would lose answers on their way. Whoever needs a place takes this one first.
+ */
+void lx_peer_send_away(struct lx_peer *self);
 
 /** Send what was put; inside setup.byte() that waits until the last byte. */
 void lx_peers_flush(struct lx_peers *self);

@@ -3,29 +3,24 @@
  * Requests are collected without blocking and checked here; libmodbus makes the answers. Its own
  * receiver would wait for the rest of a request, and the ring with it.
  *
- *   client -- on_bytes --> bytes -- take_request() --> check --> time --> map --> modbus_reply()
+ *   client -- on_byte --> bytes --> check --> time --> map --> modbus_reply()
  *   timer  -- on_time  --> time: watchdog, drive(): ring
  */
-#define _GNU_SOURCE
 #include "modbus.h"
 
-#include <errno.h>
-#include <netinet/in.h>
-#include <netinet/tcp.h>
 #include <string.h>
-#include <sys/epoll.h>
-#include <sys/socket.h>
-#include <unistd.h>
 
 #include "drehgeber/bits.h"
-#include "peers.h"
 
 #define HEADER 7u
 #define LENGTH_AT 4u
-/* What a client that is sent away may still send, and for how long. */
-#define FAREWELL_BYTES 65536u
-#define FAREWELL DG_S(2)
 #define FUNCTION_MASK 0x7Fu
+
+/* A client's request, as far as it has come. */
+struct client {
+    size_t length;
+    uint8_t bytes[LX_MODBUS_ADU_MAX];
+};
 
 /* A request after its header. */
 struct request {
@@ -136,9 +131,9 @@ static void rest(struct lx_modbus *self)
 }
 
 /* @return false: the client does not take its answers */
-static bool answer(struct lx_modbus *self, struct lx_modbus_client *client, size_t length)
+static bool answer(struct lx_modbus *self, int fd, uint8_t *bytes, size_t length)
 {
-    struct request rq = {.pdu = client->bytes + HEADER, .length = length - HEADER};
+    struct request rq = {.pdu = bytes + HEADER, .length = length - HEADER};
     const dg_ns now = lx_now();
     unsigned exception = parse(&rq);
     lx_ring_time_to(&self->time, now);
@@ -156,66 +151,18 @@ static bool answer(struct lx_modbus *self, struct lx_modbus_client *client, size
         .tab_registers = self->registers,
         .tab_input_registers = self->registers,
     };
-    (void)modbus_set_socket(self->protocol, client->fd);
+    (void)modbus_set_socket(self->protocol, fd);
     self->counters.requests++;
     if (exception != 0) {
         /* libmodbus adds 80h to the function, which takes the bit away again where it was set. */
-        client->bytes[HEADER] &= FUNCTION_MASK;
-        return modbus_reply_exception(self->protocol, client->bytes, exception) > 0;
+        bytes[HEADER] &= FUNCTION_MASK;
+        return modbus_reply_exception(self->protocol, bytes, exception) > 0;
     }
-    return modbus_reply(self->protocol, client->bytes, (int)length, &mapping) > 0;
-}
-
-static void drop(struct lx_modbus_client *client)
-{
-    client->io = sd_event_source_disable_unref(client->io);
-    if (client->fd >= 0) {
-        (void)close(client->fd);
-    }
-    client->fd = -1;
-    client->leaving = false;
-}
-
-/* Wait for the first client that has had time enough to leave. */
-static void await_leavers(struct lx_modbus *self)
-{
-    dg_ns first = DG_NEVER;
-    for (size_t i = 0; i < LX_MODBUS_CLIENTS; i++) {
-        const struct lx_modbus_client *client = &self->clients[i];
-        first = client->leaving && client->end < first ? client->end : first;
-    }
-    lx_timer_at(&self->farewell, first);
-}
-
-static void on_farewell(void *ctx, dg_ns now)
-{
-    struct lx_modbus *self = ctx;
-    for (size_t i = 0; i < LX_MODBUS_CLIENTS; i++) {
-        if (self->clients[i].leaving && self->clients[i].end <= now) {
-            drop(&self->clients[i]);
-        }
-    }
-    await_leavers(self);
-}
-
-/* Closing a connection with bytes that nobody has read resets it, and answers on their way are
- * lost. So: the end of the stream behind the last answer, and what still comes is read until the
- * client has understood. Whoever needs a place takes this one first. */
-static void send_away(struct lx_modbus_client *client)
-{
-    if (shutdown(client->fd, SHUT_WR) != 0) {
-        drop(client);
-        return;
-    }
-    client->leaving = true;
-    client->heard = 0;
-    client->length = 0;
-    client->end = dg_after(lx_now(), FAREWELL);
-    await_leavers(client->owner);
+    return modbus_reply(self->protocol, bytes, (int)length, &mapping) > 0;
 }
 
 /* Bytes of the request at the beginning of the buffer, header included; 0: no Modbus. */
-static size_t request_length(const struct lx_modbus_client *client)
+static size_t request_length(const struct client *client)
 {
     const uint16_t protocol = dg_load_be16(client->bytes + 2);
     const size_t length = dg_load_be16(client->bytes + LENGTH_AT);
@@ -226,92 +173,22 @@ static size_t request_length(const struct lx_modbus_client *client)
     return length + HEADER - 1u;
 }
 
-enum outcome { STAYS, SENT_AWAY, GONE };
-
-/* Answer the requests that are complete. */
-static enum outcome take_requests(struct lx_modbus_client *client)
+static void on_byte(void *ctx, struct lx_peer *peer, dg_ns now, uint8_t byte, size_t more)
 {
-    struct lx_modbus *self = client->owner;
-    while (client->length >= HEADER) {
-        const size_t length = request_length(client);
-        if (length == 0) {
-            return SENT_AWAY;
-        }
-        if (client->length < length) {
-            break;
-        }
-        if (!answer(self, client, length)) {
-            return GONE;
-        }
-        client->length -= length;
-        memmove(client->bytes, client->bytes + length, client->length);
+    struct client *client = (void *)peer->own;
+    (void)now;
+    (void)more;
+    client->bytes[client->length++] = byte;
+    if (client->length < HEADER) {
+        return;
     }
-    return STAYS;
-}
-
-static void hear(struct lx_modbus_client *client, size_t n)
-{
-    client->heard = lx_now();
-    client->length += n;
-    const enum outcome outcome = take_requests(client);
-    if (outcome == SENT_AWAY) {
-        send_away(client);
-    } else if (outcome == GONE) {
-        drop(client);
+    const size_t length = request_length(client);
+    if (length == 0) {
+        lx_peer_send_away(peer);
+    } else if (client->length == length) {
+        client->length = 0;
+        peer->broken = !answer(ctx, peer->fd, client->bytes, length);
     }
-}
-
-static int on_bytes(sd_event_source *source, int fd, uint32_t events, void *ctx)
-{
-    struct lx_modbus_client *client = ctx;
-    (void)source;
-    (void)events;
-    const ssize_t n = recv(fd, client->bytes + client->length,
-                           sizeof client->bytes - client->length, MSG_DONTWAIT);
-    if (n < 0 && (errno == EAGAIN || errno == EINTR)) {
-        return 0;
-    }
-    if (n > 0 && !client->leaving) {
-        hear(client, (size_t)n);
-        return 0;
-    }
-    client->unheard += n > 0 ? (size_t)n : 0u;
-    if (n <= 0 || client->unheard > FAREWELL_BYTES) {
-        drop(client);
-    }
-    return 0;
-}
-
-/* A free place, or the one of the client that was silent for longest. */
-static struct lx_modbus_client *place(struct lx_modbus *self)
-{
-    struct lx_modbus_client *oldest = &self->clients[0];
-    for (size_t i = 0; i < LX_MODBUS_CLIENTS; i++) {
-        if (self->clients[i].fd < 0) {
-            return &self->clients[i];
-        }
-        oldest = self->clients[i].heard < oldest->heard ? &self->clients[i] : oldest;
-    }
-    drop(oldest);
-    return oldest;
-}
-
-static int on_connection(sd_event_source *source, int fd, uint32_t events, void *ctx)
-{
-    struct lx_modbus *self = ctx;
-    (void)source;
-    (void)events;
-    const int socket = accept4(fd, NULL, NULL, SOCK_NONBLOCK | SOCK_CLOEXEC);
-    if (socket < 0) {
-        return 0; /* it has gone again, or there is no descriptor for it */
-    }
-    struct lx_modbus_client *client = place(self);
-    *client = (struct lx_modbus_client){.owner = self, .fd = socket, .heard = lx_now()};
-    if (sd_event_add_io(sd_event_source_get_event(self->io), &client->io, socket, EPOLLIN, on_bytes,
-                        client) < 0) {
-        drop(client);
-    }
-    return 0;
 }
 
 static void on_time(void *ctx, dg_ns now)
@@ -345,45 +222,26 @@ bool lx_modbus_address_fits(const char *where)
     return lx_peers_split(where, &endpoint) && endpoint.word[0] == '\0';
 }
 
-static int listen_at(struct lx_modbus *self, const struct lx_modbus_setup *setup,
-                     struct lx_error *error)
+static int listen_at(struct lx_modbus *self, struct lx_error *error)
 {
-    struct lx_peers_where where;
-    if (!lx_peers_split(setup->where, &where) || where.word[0] != '\0') {
+    const struct lx_modbus_setup *setup = &self->setup;
+    const struct lx_peers_setup peers = {
+        .event = setup->event,
+        .say = setup->say,
+        .name = "modbus",
+        .beyond = "writes to this ring, as with the real coupler",
+        .strangers = true,
+        .where = &self->where,
+        .own_size = sizeof(struct client),
+        .byte = on_byte,
+        .ctx = self,
+    };
+    if (!lx_peers_split(setup->where, &self->where) || self->where.word[0] != '\0') {
         return lx_refuse(error, LX_MODBUS_RIGHT, "%s", "");
     }
-    self->protocol = modbus_new_tcp_pi(where.at.host, where.at.port);
-    if (self->protocol == NULL) {
-        return lx_fail(error, "no memory for the coupler");
-    }
-    self->listener = lx_peers_listen(&where, error);
-    if (self->listener < 0) {
-        return -1;
-    }
-    lx_host_port_real(&where.at, self->listener);
-    /* Connections inherit it: an answer does not wait for the acknowledgement of the one before. */
-    const int on = 1;
-    (void)setsockopt(self->listener, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
-    lx_host_port_print(&where.at, self->address, sizeof self->address);
-    return 0;
-}
-
-static int watch(struct lx_modbus *self, sd_event *event)
-{
-    int result = sd_event_add_io(event, &self->io, self->listener, EPOLLIN, on_connection, self);
-    if (result >= 0) {
-        result = lx_endpoint_calm(self->io);
-    }
-    if (result >= 0) {
-        result = lx_timer_open(&self->timer, event, on_time, self);
-    }
-    if (result >= 0) {
-        result = lx_timer_open(&self->farewell, event, on_farewell, self);
-    }
-    if (result >= 0) {
-        lx_timer_at(&self->timer, lx_now());
-    }
-    return result;
+    self->protocol = modbus_new_tcp_pi(self->where.at.host, self->where.at.port);
+    return self->protocol == NULL ? lx_fail(error, "no memory for the coupler")
+                                  : lx_peers_open(&self->peers, &peers, error);
 }
 
 int lx_modbus_open(struct lx_modbus *self, const struct lx_modbus_setup *setup,
@@ -394,29 +252,23 @@ int lx_modbus_open(struct lx_modbus *self, const struct lx_modbus_setup *setup,
     const struct lx_ring_time_setup time = {
         .map = &self->map, .period = setup->cycle, .drive = setup->drive, .ctx = setup->ctx};
     lx_ring_time_init(&self->time, &time);
-    self->listener = -1;
-    for (size_t i = 0; i < LX_MODBUS_CLIENTS; i++) {
-        self->clients[i].fd = -1;
-    }
+    self->peers.listener = -1;
     lx_map_init(&self->map, setup->ring);
     self->map.tear = setup->tear;
-    if (listen_at(self, setup, error) != 0) {
+    if (listen_at(self, error) != 0) {
         return -1;
     }
-    const int result = watch(self, setup->event);
-    return result < 0 ? lx_fail(error, "no event loop: %s", strerror(-result)) : 0;
+    const int result = lx_timer_open(&self->timer, setup->event, on_time, self);
+    if (result < 0) {
+        return lx_fail(error, "no event loop: %s", strerror(-result));
+    }
+    lx_timer_at(&self->timer, lx_now());
+    return 0;
 }
 
 void lx_modbus_close(struct lx_modbus *self)
 {
-    for (size_t i = 0; i < LX_MODBUS_CLIENTS; i++) {
-        drop(&self->clients[i]);
-    }
+    lx_peers_close(&self->peers);
     lx_timer_close(&self->timer);
-    lx_timer_close(&self->farewell);
-    self->io = sd_event_source_disable_unref(self->io);
-    if (self->listener >= 0) {
-        (void)close(self->listener);
-    }
     modbus_free(self->protocol);
 }

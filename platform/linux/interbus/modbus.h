@@ -12,29 +12,11 @@
 
 #include "modbus_map.h"
 #include "modbus_time.h"
+#include "peers.h"
 #include "timer.h"
 
-/** Clients at once; another one takes the place of the one that was silent for longest. */
-#define LX_MODBUS_CLIENTS 32u
 /** Longest request: 7 bytes of header and 253 of function and data. */
 #define LX_MODBUS_ADU_MAX 260u
-/** Longest "host:port". */
-#define LX_MODBUS_ADDRESS_MAX 280u
-
-struct lx_modbus;
-
-/** A connection. */
-struct lx_modbus_client {
-    struct lx_modbus *owner;
-    int fd; /**< -1: free */
-    sd_event_source *io;
-    dg_ns heard;    /**< last time bytes came in; 0: it is leaving */
-    bool leaving;   /**< it has all its answers; what it still sends is read and forgotten */
-    dg_ns end;      /**< of leaving, at the latest */
-    size_t unheard; /**< bytes that were forgotten */
-    size_t length;
-    uint8_t bytes[LX_MODBUS_ADU_MAX]; /**< of a request that is not complete yet */
-};
 
 /** Things nobody has to act on; they only count up. */
 struct lx_modbus_counters {
@@ -44,6 +26,7 @@ struct lx_modbus_counters {
 /** What a coupler is made of. Everything pointed to must outlive it. */
 struct lx_modbus_setup {
     sd_event *event;
+    const struct lx_say *say;
     const char *where; /**< HOST:PORT[,open]; port 0: any */
     struct lx_ring *ring;
     dg_ns cycle; /**< from one cycle of the ring to the next */
@@ -58,15 +41,12 @@ struct lx_modbus {
     struct lx_modbus_setup setup;
     struct lx_map map;
     struct lx_timer timer;
-    struct lx_timer farewell; /**< clients that leave are closed */
     struct lx_ring_time time;
     modbus_t *protocol;
-    int listener;
-    sd_event_source *io;
-    struct lx_modbus_client clients[LX_MODBUS_CLIENTS];
+    struct lx_peers_where where;
+    struct lx_peers peers;
     struct lx_modbus_counters counters;
     uint16_t registers[LX_MAP_END]; /**< what the protocol reads and writes during a request */
-    char address[LX_MODBUS_ADDRESS_MAX];
 };
 
 /** Listen, and cycle from the first turn of the loop on. @return 0, or -1 with `error`, then close

@@ -10,7 +10,6 @@
 
 #include "bus.h"
 #include "drehgeber/interbus.h"
-#include "endpoint.h"
 #include "modbus.h"
 #include "ring_silkit.h"
 #include "stacks.h"
@@ -97,6 +96,7 @@ static int open_coupler(struct ring_bus *self, struct lx_error *error)
     const struct dg_plan_ring *ring = &dg_engine_wire_of(setup->engine, setup->index)->line.ring;
     const struct lx_modbus_setup coupler = {
         .event = setup->event,
+        .say = setup->say,
         .where = setup->wire->where,
         .ring = &self->ring,
         .cycle = DG_US(ring->cycle_us),
@@ -105,16 +105,7 @@ static int open_coupler(struct ring_bus *self, struct lx_error *error)
         .ctx = self,
     };
     self->coupled = true;
-    if (lx_modbus_open(&self->coupler, &coupler, error) != 0) {
-        return -1;
-    }
-    if (!lx_endpoint_is_loopback(self->coupler.listener)) {
-        lx_note(self->bus.setup.say,
-                "modbus:%s: beyond loopback; whoever reaches it writes to this ring, as with the "
-                "real coupler",
-                self->coupler.address);
-    }
-    return 0;
+    return lx_modbus_open(&self->coupler, &coupler, error);
 }
 
 /* A file that several may share stands where the first of them names it. */
@@ -154,7 +145,8 @@ static void address(const struct lx_bus *bus, const struct lx_station *station, 
                     size_t size)
 {
     const struct ring_bus *self = (const struct ring_bus *)bus;
-    (void)snprintf(to, size, "%s/%zu", self->driven ? self->silkit.address : self->coupler.address,
+    (void)snprintf(to, size, "%s/%zu",
+                   self->driven ? self->silkit.address : self->coupler.peers.address,
                    station->place);
 }
 
@@ -182,7 +174,7 @@ static void counters(const struct lx_bus *bus, const struct lx_station *station,
     const struct ring_bus *self = (const struct ring_bus *)bus;
     const struct dg_ring_counters *ring = &dg_ring_state(bus->core)->counters;
     const struct lx_count rows[] = {
-        {"wire_up", self->driven || self->coupler.listener >= 0},
+        {"wire_up", self->driven || self->coupler.peers.listener >= 0},
         {"wire_late", bus->late + bus->stalls},
         {"wire_cycles", ring->cycles},
         {"wire_ids", ring->ids},

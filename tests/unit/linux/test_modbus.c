@@ -36,7 +36,7 @@
 #define CYCLE DG_MS(1)
 #define STEPS 4096u /* of a turn, which takes a second */
 #define K3_MANY 63u
-#define CLIENTS_MAX 32u /* LX_MODBUS_CLIENTS */
+#define CLIENTS_MAX 32u /* LX_PEERS_MAX */
 #define FAREWELL DG_S(2)
 #define FAREWELL_BYTES 65536u
 #define CHUNK 4096u
