@@ -373,15 +373,15 @@ static void tell_address(struct lx_peers *self)
 int lx_peers_open(struct lx_peers *self, const struct lx_peers_setup *setup, struct lx_error *error)
 {
     *self = (struct lx_peers){.setup = *setup, .listener = -1};
-    int result = lx_timer_open(&self->farewell, setup->event, on_farewell, self);
-    if (result < 0) {
-        return lx_fail(error, "no timer: %s", strerror(-result));
+    if (lx_timer_make(&self->farewell, setup->event, on_farewell, self, error) != 0) {
+        return -1;
     }
     self->listener = lx_peers_listen(setup->where, error);
     if (self->listener < 0) {
         return -1;
     }
-    result = sd_event_add_io(setup->event, &self->io, self->listener, EPOLLIN, on_connection, self);
+    int result =
+        sd_event_add_io(setup->event, &self->io, self->listener, EPOLLIN, on_connection, self);
     if (result >= 0) {
         result = lx_endpoint_calm(self->io);
     }

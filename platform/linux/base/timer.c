@@ -8,6 +8,7 @@
 
 #include <errno.h>
 #include <stdlib.h>
+#include <string.h>
 #include <time.h>
 
 #define ACCURACY_US 1u
@@ -235,6 +236,13 @@ int lx_timer_open(struct lx_timer *self, sd_event *event, void (*due)(void *ctx,
         result = sd_event_source_set_priority(self->source, SD_EVENT_PRIORITY_IMPORTANT);
     }
     return result;
+}
+
+int lx_timer_make(struct lx_timer *self, sd_event *event, void (*due)(void *ctx, dg_ns now),
+                  void *ctx, struct lx_error *error)
+{
+    const int result = lx_timer_open(self, event, due, ctx);
+    return result < 0 ? lx_fail(error, "no timer: %s", strerror(-result)) : 0;
 }
 
 static void set_turn(struct lx_timer *self, bool overdue)

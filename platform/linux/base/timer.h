@@ -10,6 +10,7 @@
 #include <systemd/sd-event.h>
 
 #include "drehgeber/time.h"
+#include "error.h"
 
 /** The monotonic clock; in virtual time it stands still but for lx_time_pass(). */
 dg_ns lx_now(void);
@@ -66,6 +67,10 @@ struct lx_timer {
 /** Make a timer that waits for nothing. @return 0 or a negative errno */
 int lx_timer_open(struct lx_timer *self, sd_event *event, void (*due)(void *ctx, dg_ns now),
                   void *ctx);
+
+/** The same for who tells the user. @return 0, or -1 with `error` */
+int lx_timer_make(struct lx_timer *self, sd_event *event, void (*due)(void *ctx, dg_ns now),
+                  void *ctx, struct lx_error *error);
 
 /** Wait for `at` instead of what it waited for; DG_NEVER: for nothing. A deadline comes before more
  * input, so that a flood does not hold it up; one that is over already comes in turn with it, so

@@ -144,13 +144,6 @@ void lx_can_discard(struct lx_can *self)
     self->count = 0;
 }
 
-/* Nobody waits for it before the bus is there. */
-static int open_timer(struct lx_can *self, struct lx_error *error)
-{
-    const int result = lx_timer_open(&self->retry, self->setup.event, try_again, self);
-    return result < 0 ? lx_fail(error, "no timer: %s", strerror(-result)) : 0;
-}
-
 struct lx_can *lx_can_make(const struct lx_can_kind *kind, const struct lx_can_setup *setup,
                            struct lx_error *error)
 {
@@ -162,7 +155,9 @@ struct lx_can *lx_can_make(const struct lx_can_kind *kind, const struct lx_can_s
     self->ops = kind->ops;
     self->setup = *setup;
     self->company = DG_BUS_SOMEBODY;
-    if (kind->start(self, error) != 0 || open_timer(self, error) != 0) {
+    /* Nobody waits for the timer before the bus is there. */
+    if (kind->start(self, error) != 0 ||
+        lx_timer_make(&self->retry, setup->event, try_again, self, error) != 0) {
         lx_can_close(self);
         return NULL;
     }

@@ -205,9 +205,8 @@ static int open_wire(struct lx_can_bus *self, struct lx_error *error)
         .settle = settle,
         .ctx = self,
     };
-    const int result = lx_timer_open(&self->timer, setup->event, settle, self);
-    if (result < 0) {
-        return lx_fail(error, "no timer: %s", strerror(-result));
+    if (lx_timer_make(&self->timer, setup->event, settle, self, error) != 0) {
+        return -1;
     }
     self->can = self->open(&can, error);
     return self->can == NULL ? -1 : 0;
@@ -287,15 +286,12 @@ static void counters(const struct lx_bus *bus, const struct lx_station *station,
     const dg_ns now = lx_now();
     const uint32_t rate = dg_bus_frames_bit_rate(self->bus.core);
     const uint64_t so_far = dg_bus_load_due(&self->load, now) ? bits(self) : 0;
-    const struct lx_count rows[] = {
-        {"wire_up", lx_can_is_up(can)},
-        {"wire_late", bus->late + bus->stalls},
-        {"wire_stalls", can->counters.stalls + wire->stalls},
-        {"wire_lost", can->counters.lost + wire->lost},
-        {"wire_kbaud", lx_can_node_kbaud(node)},
-        {"wire_load_permille", dg_bus_load_permille(&self->load, now, so_far, rate)},
-    };
-    lx_bus_count(to, rows, DG_COUNT(rows));
+    dg_state_number(to, "wire_up", lx_can_is_up(can));
+    dg_state_number(to, "wire_late", bus->late + bus->stalls);
+    dg_state_number(to, "wire_stalls", can->counters.stalls + wire->stalls);
+    dg_state_number(to, "wire_lost", can->counters.lost + wire->lost);
+    dg_state_number(to, "wire_kbaud", lx_can_node_kbaud(node));
+    dg_state_number(to, "wire_load_permille", dg_bus_load_permille(&self->load, now, so_far, rate));
 }
 
 static void close_bus(struct lx_bus *bus)

@@ -3,7 +3,6 @@
 #define _GNU_SOURCE
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 #include <sys/mman.h>
 
 #include "bus.h"
@@ -71,13 +70,10 @@ static void on_retry(void *ctx, dg_ns now)
 static int open_bus(struct lx_bus *bus, dg_ns now, struct lx_error *error)
 {
     struct gpio_bus *self = gpio_of(bus);
-    const int result = lx_timer_open(&self->retry, bus->setup.event, on_retry, self);
-    if (result < 0) {
-        return lx_fail(error, "no timer: %s", strerror(-result));
-    }
     /* The encoder got its power early enough to answer when it is announced. */
     const dg_ns early = dg_elapsed(now, lx_clocked_init(self->line));
-    if (lx_clocked_open(self->line, &bus->setup, bus->core, &bus->tap, early, error) != 0 ||
+    if (lx_timer_make(&self->retry, bus->setup.event, on_retry, self, error) != 0 ||
+        lx_clocked_open(self->line, &bus->setup, bus->core, &bus->tap, early, error) != 0 ||
         take_lines(self, error) != 0) {
         return -1;
     }
@@ -108,15 +104,13 @@ static void changed(struct lx_bus *bus, struct lx_station *station, dg_ns now)
 static void counters(const struct lx_bus *bus, const struct lx_station *station, struct dg_scpi *to)
 {
     const struct gpio_bus *self = (const struct gpio_bus *)bus;
-    const struct lx_count rows[] = {
-        {"wire_up", self->up},
-        {"wire_late", self->gpio.counters.late},
-        {"wire_edges", self->gpio.counters.edges},
-        {"wire_lost", self->gpio.counters.lost},
-        {"wire_hz", lx_gpio_rate_known(&self->gpio.rate) ? lx_gpio_rate_hz(&self->gpio.rate) : 0u},
-    };
     (void)station;
-    lx_bus_count(to, rows, DG_COUNT(rows));
+    dg_state_number(to, "wire_up", self->up);
+    dg_state_number(to, "wire_late", self->gpio.counters.late);
+    dg_state_number(to, "wire_edges", self->gpio.counters.edges);
+    dg_state_number(to, "wire_lost", self->gpio.counters.lost);
+    dg_state_number(to, "wire_hz",
+                    lx_gpio_rate_known(&self->gpio.rate) ? lx_gpio_rate_hz(&self->gpio.rate) : 0u);
 }
 
 static void close_bus(struct lx_bus *bus)

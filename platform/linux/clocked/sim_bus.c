@@ -54,6 +54,11 @@ static struct sim_bus *sim_of(struct lx_bus *bus)
     return (struct sim_bus *)bus;
 }
 
+static const struct dg_plan_timing *timing_of(const struct lx_bus *bus)
+{
+    return &dg_engine_wire_of(bus->setup.engine, bus->setup.index)->line.timing;
+}
+
 /* --- the master --- */
 
 static void read_frame(struct sim_bus *self, dg_ns at)
@@ -157,24 +162,17 @@ static void on_time(void *ctx, dg_ns now)
 
 /* --- what the control plane asks for --- */
 
-static struct dg_bus_master_setup describe_master(const struct dg_plan_timing *timing,
-                                                  const struct lx_clocked *line, struct dg_bus *bus)
+struct dg_bus_master_setup lx_sim_bus_master(const struct lx_bus *bus)
 {
+    const struct dg_plan_timing *timing = timing_of(bus);
     return (struct dg_bus_master_setup){
         .size = sizeof(struct dg_bus_master_setup),
-        .bus = bus,
-        .protocol = line->protocol->master,
+        .bus = bus->core,
+        .protocol = ((const struct sim_bus *)bus)->line->protocol->master,
         .clock_hz = timing->clock_hz,
         .line_delay_ns = timing->line_delay_ns,
         .compensates = timing->compensate,
     };
-}
-
-struct dg_bus_master_setup lx_sim_bus_master(const struct lx_bus *bus)
-{
-    const struct lx_bus_setup *setup = &bus->setup;
-    return describe_master(&dg_engine_wire_of(setup->engine, setup->index)->line.timing,
-                           ((const struct sim_bus *)bus)->line, bus->core);
 }
 
 struct lx_clocked *lx_sim_bus_line(struct lx_bus *bus)
@@ -246,9 +244,8 @@ static int open_bus(struct lx_bus *bus, dg_ns now, struct lx_error *error)
     }
     const struct dg_bus_master_setup master = lx_sim_bus_master(bus);
     dg_bus_master_init(&self->master, &master, now);
-    const int result = lx_timer_open(&self->timer, setup->event, on_time, self);
-    if (result < 0) {
-        return lx_fail(error, "no timer: %s", strerror(-result));
+    if (lx_timer_make(&self->timer, setup->event, on_time, self, error) != 0) {
+        return -1;
     }
     stir(self, self->due);
     catch_up(self);
@@ -282,15 +279,12 @@ static void changed(struct lx_bus *bus, struct lx_station *station, dg_ns now)
 static void counters(const struct lx_bus *bus, const struct lx_station *station, struct dg_scpi *to)
 {
     const struct sim_bus *self = (const struct sim_bus *)bus;
-    const struct lx_count rows[] = {
-        {"wire_up", 1},
-        {"wire_late", bus->late},
-        {"wire_frames", self->frames},
-        {"wire_silent", self->master.silent},
-        {"wire_wrong", self->wrong},
-    };
     (void)station;
-    lx_bus_count(to, rows, DG_COUNT(rows));
+    dg_state_number(to, "wire_up", 1);
+    dg_state_number(to, "wire_late", bus->late);
+    dg_state_number(to, "wire_frames", self->frames);
+    dg_state_number(to, "wire_silent", self->master.silent);
+    dg_state_number(to, "wire_wrong", self->wrong);
 }
 
 static void close_bus(struct lx_bus *bus)
@@ -375,7 +369,7 @@ static struct lx_bus *make(const struct lx_bus_setup *setup, struct dg_engine_wi
         free(self);
         return NULL;
     }
-    const struct dg_bus_master_setup master = describe_master(&to->line.timing, self->line, NULL);
+    const struct dg_bus_master_setup master = lx_sim_bus_master(&self->bus);
     to->edges = dg_bus_master_wire(&master);
     lx_clocked_offer(self->line, setup);
     return &self->bus;

@@ -173,17 +173,14 @@ static void counters(const struct lx_bus *bus, const struct lx_station *station,
 {
     const struct ring_bus *self = (const struct ring_bus *)bus;
     const struct dg_ring_counters *ring = &dg_ring_state(bus->core)->counters;
-    const struct lx_count rows[] = {
-        {"wire_up", self->driven || self->coupler.peers.listener >= 0},
-        {"wire_late", bus->late + bus->stalls},
-        {"wire_cycles", ring->cycles},
-        {"wire_ids", ring->ids},
-        {"wire_crc_errors", ring->crc_errors},
-        {"wire_interrupted", ring->interrupted},
-        {"wire_requests", self->coupler.counters.requests},
-    };
     (void)station;
-    lx_bus_count(to, rows, DG_COUNT(rows));
+    dg_state_number(to, "wire_up", self->driven || self->coupler.peers.listener >= 0);
+    dg_state_number(to, "wire_late", bus->late + bus->stalls);
+    dg_state_number(to, "wire_cycles", ring->cycles);
+    dg_state_number(to, "wire_ids", ring->ids);
+    dg_state_number(to, "wire_crc_errors", ring->crc_errors);
+    dg_state_number(to, "wire_interrupted", ring->interrupted);
+    dg_state_number(to, "wire_requests", self->coupler.counters.requests);
 }
 
 static void close_bus(struct lx_bus *bus)

@@ -70,9 +70,8 @@ static int open_port(struct lx_line_bus *self, struct lx_error *error)
         .rx = lx_line_on_character,
         .ctx = self,
     };
-    const int result = lx_timer_open(&self->timer, bus->event, lx_line_on_time, self);
-    if (result < 0) {
-        return lx_fail(error, "no timer: %s", strerror(-result));
+    if (lx_timer_make(&self->timer, bus->event, lx_line_on_time, self, error) != 0) {
+        return -1;
     }
     self->port = self->open(&setup, error);
     return self->port == NULL ? -1 : 0;
@@ -134,15 +133,12 @@ static void counters(const struct lx_bus *bus, const struct lx_station *station,
     const struct lx_line_bus *self = (const struct lx_line_bus *)bus;
     const struct dg_characters_counters counted = dg_bus_characters_counters(bus->core);
     const struct dg_host_uart uart = dg_bus_characters_uart(bus->core, station->place);
-    const struct lx_count rows[] = {
-        {"wire_up", lx_serial_up(self->port)},
-        {"wire_late", bus->late + bus->stalls},
-        {"wire_collided", counted.collided},
-        {"wire_lost", self->port->counters.lost},
-        {"wire_baud", uart.baud},
-        {"wire_overrun", counted.overrun},
-    };
-    lx_bus_count(to, rows, DG_COUNT(rows));
+    dg_state_number(to, "wire_up", lx_serial_up(self->port));
+    dg_state_number(to, "wire_late", bus->late + bus->stalls);
+    dg_state_number(to, "wire_collided", counted.collided);
+    dg_state_number(to, "wire_lost", self->port->counters.lost);
+    dg_state_number(to, "wire_baud", uart.baud);
+    dg_state_number(to, "wire_overrun", counted.overrun);
 }
 
 /* Encoders first: what is written to a file may still lead to a reply. */

@@ -323,12 +323,9 @@ static void warn(const struct lx_rig *self)
 
 static int power(struct lx_rig *self, struct lx_error *error)
 {
-    if (open_files(self, error) != 0) {
+    if (open_files(self, error) != 0 ||
+        lx_timer_make(&self->faults, self->setup.event, on_faults, self, error) != 0) {
         return -1;
-    }
-    const int result = lx_timer_open(&self->faults, self->setup.event, on_faults, self);
-    if (result < 0) {
-        return lx_fail(error, "no timer: %s", strerror(-result));
     }
     for (size_t i = 0; i < self->setup.plan->wire_count; i++) {
         if (power_wire(&self->wires[i], error) != 0) {

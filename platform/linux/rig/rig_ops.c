@@ -97,8 +97,7 @@ static void counters(struct dg_rig *control, const struct dg_encoder *encoder, s
         station->bus->ops->counters(station->bus, station, to);
     }
     if (station->queue != NULL) {
-        const struct lx_count row = {"nvm_waits", station->queue->waits};
-        lx_bus_count(to, &row, 1);
+        dg_state_number(to, "nvm_waits", station->queue->waits);
     }
     lx_rig_count_courses(encoder, to);
 }

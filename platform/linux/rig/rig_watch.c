@@ -6,7 +6,6 @@
 #define _GNU_SOURCE
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "rig_parts.h"
 
@@ -95,10 +94,9 @@ int lx_rig_listen(struct lx_rig_wire *self, struct lx_error *error)
         free_lines(self);
         return lx_fail(error, "no memory for decoded lines");
     }
-    const int result = lx_timer_open(&self->silence, self->rig->setup.event, on_silence, self);
-    if (result < 0) {
+    if (lx_timer_make(&self->silence, self->rig->setup.event, on_silence, self, error) != 0) {
         free_lines(self);
-        return lx_fail(error, "no timer: %s", strerror(-result));
+        return -1;
     }
     self->listener = (struct lx_tap_listener){.event = on_event, .ctx = self};
     lx_tap_add(&self->bus->tap, &self->listener);

@@ -111,13 +111,4 @@ int lx_bus_open(struct lx_bus *self, dg_ns now, struct lx_error *error);
  */
 void lx_bus_serve(struct lx_bus *self, dg_ns deadline, dg_ns now);
 
-/** A counter of STATe?. */
-struct lx_count {
-    const char *name;
-    uint64_t value;
-};
-
-/** Append n counters, for lx_bus_ops.counters. */
-void lx_bus_count(struct dg_scpi *to, const struct lx_count *rows, size_t n);
-
 #endif

@@ -202,16 +202,15 @@ static int open_pty(struct lx_serial *serial, struct lx_error *error)
 {
     struct pty *self = pty_of(serial);
     self->slave = -1;
-    int result = lx_timer_open(&self->settled, serial->setup.event, keep_changeable, self);
-    if (result < 0) {
-        return lx_fail(error, "no timer: %s", strerror(-result));
+    if (lx_timer_make(&self->settled, serial->setup.event, keep_changeable, self, error) != 0) {
+        return -1;
     }
     if (open_pair(self) != 0) {
         const char *right =
             errno == ENOSPC ? "a higher kernel.pty.max is right" : lx_more_of(errno);
         return lx_refuse(error, right, "cannot make a pty: %s", strerror(errno));
     }
-    result = lx_serial_watch(serial);
+    const int result = lx_serial_watch(serial);
     if (result < 0) {
         return lx_fail(error, "cannot watch the pty: %s", strerror(-result));
     }

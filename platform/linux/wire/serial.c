@@ -180,13 +180,6 @@ void lx_serial_close(struct lx_serial *self)
     free(self);
 }
 
-/* Nobody waits for it before the port was there once. */
-static int open_timer(struct lx_serial *self, struct lx_error *error)
-{
-    const int result = lx_timer_open(&self->reopen, self->setup.event, try_again, self);
-    return result < 0 ? lx_fail(error, "no timer: %s", strerror(-result)) : 0;
-}
-
 struct lx_serial *lx_serial_make(const struct lx_serial_ops *ops, size_t size,
                                  const struct lx_serial_setup *setup, struct lx_error *error)
 {
@@ -199,7 +192,9 @@ struct lx_serial *lx_serial_make(const struct lx_serial_ops *ops, size_t size,
     self->uart = setup->uart;
     self->sends = setup->uart;
     self->fd = -1;
-    if (ops->open(self, error) != 0 || open_timer(self, error) != 0) {
+    /* Nobody waits for the timer before the port was there once. */
+    if (ops->open(self, error) != 0 ||
+        lx_timer_make(&self->reopen, setup->event, try_again, self, error) != 0) {
         lx_serial_close(self);
         return NULL;
     }
