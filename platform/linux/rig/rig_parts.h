@@ -7,7 +7,6 @@
 #ifndef DREHGEBER_LINUX_RIG_PARTS_H
 #define DREHGEBER_LINUX_RIG_PARTS_H
 
-#include "courses.h"
 #include "engine.h"
 #include "motion_words.h"
 #include "record.h"
@@ -25,6 +24,7 @@
 
 struct lx_rig_wire;
 struct lx_rig_topics;
+struct lx_courses;
 
 /** A shaft. */
 struct lx_rig_shaft {
