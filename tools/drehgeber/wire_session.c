@@ -4,7 +4,6 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "course_words.h"
 #include "run.h"
 
 /* Shown of an idle wire in front of the first edge. */

@@ -152,7 +152,7 @@ static bool answer(struct lx_modbus *self, int fd, uint8_t *bytes, size_t length
         .tab_input_registers = self->registers,
     };
     (void)modbus_set_socket(self->protocol, fd);
-    self->counters.requests++;
+    self->requests++;
     if (exception != 0) {
         /* libmodbus adds 80h to the function, which takes the bit away again where it was set. */
         bytes[HEADER] &= FUNCTION_MASK;

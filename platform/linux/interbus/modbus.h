@@ -18,11 +18,6 @@
 /** Longest request: 7 bytes of header and 253 of function and data. */
 #define LX_MODBUS_ADU_MAX 260u
 
-/** Things nobody has to act on; they only count up. */
-struct lx_modbus_counters {
-    uint64_t requests; /**< answered */
-};
-
 /** What a coupler is made of. Everything pointed to must outlive it. */
 struct lx_modbus_setup {
     sd_event *event;
@@ -45,7 +40,7 @@ struct lx_modbus {
     modbus_t *protocol;
     struct lx_peers_where where;
     struct lx_peers peers;
-    struct lx_modbus_counters counters;
+    uint64_t requests;              /**< answered */
     uint16_t registers[LX_MAP_END]; /**< what the protocol reads and writes during a request */
 };
 

@@ -180,7 +180,7 @@ static void counters(const struct lx_bus *bus, const struct lx_station *station,
     dg_state_number(to, "wire_ids", ring->ids);
     dg_state_number(to, "wire_crc_errors", ring->crc_errors);
     dg_state_number(to, "wire_interrupted", ring->interrupted);
-    dg_state_number(to, "wire_requests", self->coupler.counters.requests);
+    dg_state_number(to, "wire_requests", self->coupler.requests);
 }
 
 static void close_bus(struct lx_bus *bus)

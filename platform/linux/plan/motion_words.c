@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-/* Motions of files; those in words are the library's to read. */
+/* Motions and courses of files; words are the library's to read. */
 #include "motion_words.h"
 
 #include <stdlib.h>
 
 #include "drehgeber/hal.h"
+#include "drehgeber/key.h"
 
 int lx_shaft_read_on(struct lx_csv *file, struct lx_shaft *to, struct lx_error *error)
 {
@@ -53,4 +54,37 @@ void lx_shaft_free(struct lx_shaft *self)
 {
     free(self->points);
     self->points = NULL;
+}
+
+/* --- courses --- */
+
+int lx_course_parse(const char *text, struct dg_course_words *to, struct lx_error *error)
+{
+    struct dg_plan_error wrong;
+    return dg_course_read(text, to, &wrong) == DG_OK ? 0 : lx_error_take(error, &wrong);
+}
+
+static void put_point(void *points, size_t index, dg_ns at, int64_t value)
+{
+    struct dg_course_point *to = points;
+    to[index] = (struct dg_course_point){at, (int32_t)value};
+}
+
+struct lx_csv *lx_course_open(const char *path, size_t quantity, const struct lx_folder *folder,
+                              struct lx_error *error)
+{
+    const struct dg_key *key = &dg_world_keys.rows[quantity];
+    struct lx_csv_kind kind = {
+        .column = key->name,
+        .places = key->places,
+        .min = key->min,
+        .max = key->max,
+        .steps = true,
+        .size = sizeof(struct dg_course_point),
+        .put = put_point,
+    };
+    struct dg_text value = dg_text_in(kind.value.text, sizeof kind.value.text);
+    dg_text_add(&value, key->type == DG_KEY_FLAG ? "the value is " : "the value is a number in ");
+    dg_key_say_range(key, &value);
+    return lx_csv_open(path, folder, &kind, error);
 }

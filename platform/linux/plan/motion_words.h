@@ -1,12 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * A motion in words, see dg_motion_read(), or of a file: FILE.csv.
+ * A motion in words, see dg_motion_read(), or of a file: FILE.csv. Courses, see dg_course_read(),
+ * are always of files: lines `time_s,VALUE`, as the setting of the quantity takes VALUE.
  */
 #ifndef DREHGEBER_LINUX_MOTION_WORDS_H
 #define DREHGEBER_LINUX_MOTION_WORDS_H
 
 #include "csv.h"
+#include "drehgeber/course.h"
 #include "drehgeber/motion.h"
 #include "drehgeber/rig.h"
 #include "file.h"
@@ -36,5 +38,13 @@ int lx_shaft_read_on(struct lx_csv *file, struct lx_shaft *to, struct lx_error *
 
 /** Give back the points. */
 void lx_shaft_free(struct lx_shaft *self);
+
+/** dg_course_read(), with an error of this port. @return 0, or -1 with one line in `error` */
+int lx_course_parse(const char *text, struct dg_course_words *to, struct lx_error *error);
+
+/** Begin to read `path` for `quantity` (enum dg_quantity_id): its points are struct
+ * dg_course_point. @return NULL with one line in `error` */
+struct lx_csv *lx_course_open(const char *path, size_t quantity, const struct lx_folder *folder,
+                              struct lx_error *error);
 
 #endif

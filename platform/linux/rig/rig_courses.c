@@ -8,7 +8,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "course_words.h"
 #include "drehgeber/hal.h"
 #include "drehgeber/quantity.h"
 #include "plan.h"

@@ -13,7 +13,6 @@
 #include <stdint.h>
 #include <systemd/sd-event.h>
 
-#include "characters.h"
 #include "say.h"
 #include "timer.h"
 #include "uart.h"
@@ -27,6 +26,20 @@
 
 /** lx_serial.baud where nobody can tell, or nobody asks: right for everybody. */
 #define LX_BAUD_ANY UINT32_MAX
+
+/** A received character. */
+struct lx_character {
+    uint8_t byte;
+    bool damaged; /**< parity or framing error, or sent with another setting */
+};
+
+/** Decoder of what a tty gives with INPCK|PARMRK: FF 00 c is a damaged c, FF FF an intact FF. */
+struct lx_parmrk {
+    uint8_t seen; /**< bytes of an escape seen so far, 0..2 */
+};
+
+/** @return true when `byte` completes a character, which is in `out` then */
+bool lx_parmrk_feed(struct lx_parmrk *self, uint8_t byte, struct lx_character *out);
 
 struct lx_serial;
 struct lx_silkit;

@@ -20,6 +20,9 @@
 #define PTY_SLAVE_MAJOR_FIRST 136u
 #define PTY_SLAVE_MAJOR_LAST 143u
 
+/* Before a damaged character. */
+#define ESCAPE 0xFFu
+
 struct tty {
     struct lx_serial serial;
     struct lx_parmrk parmrk;
@@ -29,6 +32,24 @@ struct tty {
 static struct tty *tty_of(struct lx_serial *serial)
 {
     return (struct tty *)serial;
+}
+
+bool lx_parmrk_feed(struct lx_parmrk *self, uint8_t byte, struct lx_character *out)
+{
+    const uint8_t seen = self->seen;
+    if (seen == 0 && byte == ESCAPE) {
+        self->seen = 1;
+        return false;
+    }
+    if (seen == 1 && byte == 0) {
+        self->seen = 2;
+        return false;
+    }
+    /* After one FF, everything but 00 stands for itself; the kernel only sends FF there. */
+    self->seen = 0;
+    out->byte = byte;
+    out->damaged = seen == 2;
+    return true;
 }
 
 static size_t received(struct lx_serial *serial, dg_ns now, const uint8_t *bytes, size_t n)

@@ -7,7 +7,6 @@
 
 #include <cmocka.h>
 
-#include "characters.h"
 #include "drehgeber/hiperface.h"
 #include "serial.h"
 

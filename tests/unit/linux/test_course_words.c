@@ -12,8 +12,8 @@
 
 #include <cmocka.h>
 
-#include "course_words.h"
 #include "drehgeber/quantity.h"
+#include "motion_words.h"
 
 static void words(void **state)
 {
