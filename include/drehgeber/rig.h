@@ -162,6 +162,11 @@ struct dg_plan_control {
     dg_plan_line line; /**< of the key; 0: the command line */
 };
 
+/** What a point of a course counts in [rig] memory. */
+#define DG_PLAN_POINT_BYTES 16u
+/** Most that [rig] memory may say. */
+#define DG_PLAN_COURSE_MEMORY_MAX ((uint64_t)1 << 40)
+
 /* Of the reader only. */
 struct dg_plan_source;
 struct dg_plan_piece;
@@ -174,7 +179,9 @@ struct dg_plan {
     const char *name;  /**< of the rig: the file's without its ending, or of the model */
     const char *files; /**< the folder for files that clients name; NULL: none */
     dg_plan_line files_line;
-    uint32_t threads; /**< that may step the buses of a rig; 0: nothing is said of it */
+    uint32_t threads;       /**< that may step the buses of a rig; 0: nothing is said of it */
+    uint64_t course_memory; /**< for the points of courses that clients ask for, each of which
+                               counts DG_PLAN_POINT_BYTES; 0: no bound */
     struct dg_plan_control controls[DG_PLAN_CONTROLS_MAX]; /**< none: the host's default */
     size_t control_count;
     struct dg_plan_shaft *shafts;

@@ -45,6 +45,7 @@ enum dg_scpi_error {
     DG_SCPI_CONFLICT = -221, /**< settings conflict */
     DG_SCPI_RANGE = -222,    /**< data out of range */
     DG_SCPI_ILLEGAL = -224,  /**< illegal parameter value */
+    DG_SCPI_MEMORY = -225,   /**< out of memory */
     DG_SCPI_HARDWARE = -240,
     DG_SCPI_MISSING_HARDWARE = -241,
     DG_SCPI_STORAGE = -250,    /**< mass storage error */

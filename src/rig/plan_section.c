@@ -3,6 +3,7 @@
  * A row for each kind of section. What a section refers to stands above it, so that each can be
  * checked when it ends, with all that it may clash with.
  */
+#include "drehgeber/figure.h"
 #include "drehgeber/key.h"
 #include "drehgeber/shaft.h"
 #include "rig_private.h"
@@ -287,15 +288,30 @@ static int take_threads(struct rig_reader *in, const struct dg_plan_setting *thr
     return 0;
 }
 
+/* The first file that says it is believed, as with the folder. */
+static int take_memory(struct rig_reader *in, const struct dg_plan_setting *memory)
+{
+    uint64_t bytes = 0;
+
+    if (memory == NULL || in->plan->course_memory != 0) {
+        return 0;
+    }
+    if (!dg_unsigned_parse(memory->value, &bytes) || bytes < DG_PLAN_POINT_BYTES ||
+        bytes > DG_PLAN_COURSE_MEMORY_MAX) {
+        return dg_plan_wrong_word(in, memory, RIG_SAY("a number in 16..1099511627776 is right"),
+                                  RIG_SAY(memory->value, " is none"));
+    }
+    in->plan->course_memory = bytes;
+    return 0;
+}
+
 static int take_rig(struct rig_reader *in, const struct rig_section *self)
 {
     const struct dg_plan_setting *files = dg_plan_word(self, "files");
     int result = take_name(in, dg_plan_word(self, "name"));
 
-    if (result == 0) {
-        result = take_threads(in, dg_plan_word(self, "threads"));
-    }
-
+    result = result == 0 ? take_threads(in, dg_plan_word(self, "threads")) : result;
+    result = result == 0 ? take_memory(in, dg_plan_word(self, "memory")) : result;
     if (result == 0 && files != NULL && in->plan->files == NULL) {
         in->plan->files_line = files->line;
         in->plan->files = dg_plan_path(in, files->value, files->line);
@@ -313,6 +329,7 @@ static int take_rig(struct rig_reader *in, const struct rig_section *self)
 
 _Static_assert(DG_PLAN_CONTROLS_MAX == 4u, "as the help of the rows has it");
 _Static_assert(DG_PLAN_THREADS_MAX == 64u, "likewise");
+_Static_assert(DG_PLAN_POINT_BYTES == 16u, "likewise");
 _Static_assert(DG_PLAN_DEPTH_MAX == 8u, "likewise");
 _Static_assert(DG_PLAN_INCLUDED_MAX == 1u << 20, "likewise");
 _Static_assert(DG_SHAFT_GEARS_MAX == 8u, "likewise");
@@ -342,6 +359,14 @@ static const struct rig_key rig_keys[] = {
         .usual = "1",
         .help = "that step packed buses of a simulation beside each other; how many there are "
                 "changes nothing of what the rig does",
+    },
+    {
+        .name = "memory",
+        .takes = "BYTES",
+        .usual = "as much as there is",
+        .help =
+            "for the points of courses that clients ask for, 16 bytes each; a course beyond it is "
+            "-225 to the client",
     },
     {
         .name = "include",

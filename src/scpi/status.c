@@ -31,6 +31,7 @@ static const struct {
     {DG_SCPI_CONFLICT, "Settings conflict"},
     {DG_SCPI_RANGE, "Data out of range"},
     {DG_SCPI_ILLEGAL, "Illegal parameter value"},
+    {DG_SCPI_MEMORY, "Out of memory"},
     {DG_SCPI_HARDWARE, "Hardware error"},
     {DG_SCPI_MISSING_HARDWARE, "Hardware missing"},
     {DG_SCPI_STORAGE, "Mass storage error"},

@@ -71,3 +71,22 @@ def test_a_quantity_reads_one_file_at_a_time(clients, tmp_path):
     assert first.ask("WORL:TEMP?;TEMP:PROF?") == '41.500;"long.csv"'
     second.do('WORL:TEMP:PROF "short.csv"')
     assert second.ask("WORL:TEMP?") == "1.000"
+
+
+def test_courses_of_clients_have_so_much_memory(tmp_path):
+    """Three points: whatever is beyond is refused and nothing changes; what is replaced or has ended gives room."""
+    (tmp_path / "rig.ini").write_text(RIG.replace("[encoder one]", "memory = 48\n[encoder one]"))
+    (tmp_path / "long.csv").write_text("0,1\n1,2\n2,3\n3,4\n")
+    rig = start_rig(tmp_path / "rig.ini", "--files", tmp_path)
+    with Client(rig.controls[0]) as client:
+        client.do(f"WORL:TEMP:PROF:POIN 0,41.5,{HOLDS_FOR_S}S,41.5")
+        client.send(f"WORL:SUPP:PROF:POIN 0,5V,{HOLDS_FOR_S}S,4V")
+        told = client.ask("SYST:ERR?")
+        assert told.startswith('-225,"Out of memory;') and "[rig] memory has 48 bytes for courses" in told
+        client.send('WORL:TEMP:PROF "long.csv"')
+        assert client.ask("*OPC?;:SYST:ERR?").startswith("1;-225,")
+        assert client.ask("WORL:TEMP?;TEMP:PROF?;:WORL:SUPP:PROF?") == '41.500;"points";""'
+        client.do(f"WORL:TEMP:PROF:POIN 0,40,1S,41,{HOLDS_FOR_S}S,41")
+        client.do("WORL:TEMP:PROF:STAT OFF")
+        client.do(f"WORL:SUPP:PROF:POIN 0,5V,{HOLDS_FOR_S}S,5V")
+    assert rig.clean_up() == []

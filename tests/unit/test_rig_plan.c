@@ -117,6 +117,29 @@ static void memory_of_any_size(void **state)
     assert_string_equal(bench.plan.files, "lab/x");
 }
 
+#define ENCODER "[encoder a]\nmodel = ssi-25\nwire = sim\n"
+
+static void clients_have_memory_for_courses(void **state)
+{
+    static const char *const wrong[] = {"15", "-1", "1k", "1099511627777"};
+    static struct bench bench;
+    (void)state;
+    read_good(&bench, ENCODER);
+    assert_true(bench.plan.course_memory == 0);
+    read_good(&bench, "[rig]\nmemory = 48\n[rig]\nmemory = 16\n" ENCODER);
+    assert_true(bench.plan.course_memory == 48);
+    read_good(&bench, "[rig]\nmemory = 1099511627776\n" ENCODER);
+    assert_true(bench.plan.course_memory == DG_PLAN_COURSE_MEMORY_MAX);
+    for (size_t i = 0; i < DG_COUNT(wrong); i++) {
+        char text[80];
+        char what[40];
+        (void)snprintf(text, sizeof text, "[rig]\nmemory = %s\n" ENCODER, wrong[i]);
+        (void)snprintf(what, sizeof what, "%s is none", wrong[i]);
+        assert_refused(&bench, text, "", 2, what);
+        assert_string_equal(bench.error.right, "a number in 16..1099511627776 is right");
+    }
+}
+
 static void kinds_of_wire_are_everybodys(void **state)
 {
     static struct bench bench;
@@ -417,6 +440,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(memory_of_any_size),
+        cmocka_unit_test(clients_have_memory_for_courses),
         cmocka_unit_test(kinds_of_wire_are_everybodys),
         cmocka_unit_test(settings_of_wires),
         cmocka_unit_test(a_setup_of_another_version),

@@ -58,6 +58,7 @@ static const struct {
     {-221, 16, "Settings conflict"},
     {-222, 16, "Data out of range"},
     {-224, 16, "Illegal parameter value"},
+    {-225, 16, "Out of memory"},
     {-240, 16, "Hardware error"},
     {-241, 16, "Hardware missing"},
     {-250, 16, "Mass storage error"},

@@ -18,6 +18,7 @@ enum failure {
     WORDS = -1,     /* not a course */
     FROM_FILE = -2, /* the file cannot be read, or what is in it */
     BUSY = -3,      /* another file is being read for this encoder */
+    NO_ROOM = -4,   /* more than [rig] memory says */
 };
 
 /* One that is followed. */
@@ -25,6 +26,7 @@ struct place {
     struct dg_rig_course course;
     struct dg_course_point *points; /* owned, as is the text */
     char *text;
+    bool lent; /* a client has asked for it */
 };
 
 struct lx_courses {
@@ -176,6 +178,32 @@ struct dg_rig_course *lx_rig_find_course(void *ctx, size_t index,
 
 /* --- of clients --- */
 
+/* Points of clients that are followed, but for those of `but`; others are given back. */
+static uint64_t count_lent(const struct lx_rig *self, const struct place *but)
+{
+    uint64_t count = 0;
+    for (size_t i = 0; i < self->setup.plan->encoder_count; i++) {
+        struct lx_courses *courses = self->courses[i];
+        for (size_t n = 0; courses != NULL && n < DG_QUANTITY_COUNT; n++) {
+            struct place *place = &courses->places[n];
+            const bool followed = dg_rig_course_of(courses->encoder, n) == &place->course;
+            if (place->lent && !followed) {
+                empty(place);
+            }
+            count += place->lent && place != but ? place->course.course.count : 0;
+        }
+    }
+    return count;
+}
+
+static bool has_room(const struct lx_courses *self)
+{
+    const struct place *but = &self->places[self->next.course.quantity];
+    const uint64_t most = self->rig->setup.plan->course_memory;
+    return most == 0 || count_lent(self->rig, but) + self->next.course.course.count <=
+                            most / DG_PLAN_POINT_BYTES;
+}
+
 /* `next` is complete; what cannot be is only found now, and leaves all as it was. */
 static int follow(struct lx_courses *self, dg_ns now, struct lx_error *error)
 {
@@ -188,9 +216,15 @@ static int follow(struct lx_courses *self, dg_ns now, struct lx_error *error)
         (void)lx_fail(error, "a loop needs a time above 0");
         return WORDS;
     }
+    if (!has_room(self)) {
+        (void)lx_fail(error, "[rig] memory has %llu bytes for courses",
+                      (unsigned long long)self->rig->setup.plan->course_memory);
+        return NO_ROOM;
+    }
     dg_rig_unfollow(rig, self->encoder, self->next.course.quantity);
     empty(place);
     *place = self->next;
+    place->lent = true;
     self->next = (struct place){.points = NULL};
     return dg_rig_follow(rig, self->encoder, &place->course, now) == 0 ? 0 : WORDS;
 }
@@ -228,6 +262,7 @@ static int go_on(struct lx_courses *self, int result, dg_ns now, struct lx_error
         [-WORDS] = DG_SCPI_ILLEGAL,
         [-FROM_FILE] = DG_SCPI_FILE_NAME,
         [-BUSY] = DG_SCPI_CONFLICT,
+        [-NO_ROOM] = DG_SCPI_MEMORY,
     };
     result = result == 0 ? follow(self, now, error) : result;
     if (result > 0) {

@@ -247,7 +247,7 @@ static const struct {
     {ENCODER "so be it",
      "4: 'so be it' is neither [SECTION] nor KEY = VALUE; one of them is right"},
     {"[rig]\ncolour = red\n",
-     "2: colour: no key of [rig]; name, control, files, threads and include are right"},
+     "2: colour: no key of [rig]; name, control, files, threads, memory and include are right"},
     {"[rig]\nname = a b\n", "2: name: a b is none; 1 to 32 letters, digits, _ and - are right"},
     {"[rig]\nname = a\n[rig]\nname = b\n",
      "4: name: the rig is called a already; one name is right"},
