@@ -62,6 +62,14 @@ bool lx_peers_split(const char *text, struct lx_peers_where *out)
     return lx_host_port_split(rest, &out->at);
 }
 
+bool lx_peers_split_behind(const char *prefix, const char *text, bool named,
+                           struct lx_peers_where *out)
+{
+    const size_t n = strlen(prefix);
+    return strncmp(text, prefix, n) == 0 && lx_peers_split(text + n, out) &&
+           (named || out->word[0] == '\0');
+}
+
 /* --- clients that come and go --- */
 
 static void free_peer(struct lx_peer *peer)

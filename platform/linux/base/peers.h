@@ -41,6 +41,9 @@ struct lx_peers_where {
 
 /** Take an address apart. @return false: it is none */
 bool lx_peers_split(const char *text, struct lx_peers_where *out);
+/** The same behind `prefix`, without a word unless it may be `named`. */
+bool lx_peers_split_behind(const char *prefix, const char *text, bool named,
+                           struct lx_peers_where *out);
 
 /** A socket that listens there. @return the descriptor, or -1 with `error` */
 int lx_peers_listen(const struct lx_peers_where *where, struct lx_error *error);

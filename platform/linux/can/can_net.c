@@ -170,19 +170,19 @@ const struct lx_can_ops lx_can_net_ops = {
 
 /* --- opening --- */
 
-static bool split(const struct lx_can_dialect *dialect, const char *where,
-                  struct lx_peers_where *out)
+static int read_address(const struct lx_can_dialect *dialect, const char *where,
+                        struct lx_peers_where *out, struct lx_error *error)
 {
-    const size_t n = strlen(dialect->prefix);
-    return strncmp(where, dialect->prefix, n) == 0 && lx_peers_split(where + n, out) &&
-           (dialect->named || out->word[0] == '\0');
+    return lx_peers_split_behind(dialect->prefix, where, dialect->named, out)
+               ? 0
+               : lx_refuse(error, dialect->right, "%s", "");
 }
 
 int lx_can_net_check(const struct lx_can_dialect *dialect, const char *where,
                      struct lx_error *error)
 {
     struct lx_peers_where ignored;
-    return split(dialect, where, &ignored) ? 0 : lx_refuse(error, dialect->right, "%s", "");
+    return read_address(dialect, where, &ignored, error);
 }
 
 int lx_can_net_start(struct lx_can *can, struct lx_error *error)
@@ -202,11 +202,8 @@ int lx_can_net_start(struct lx_can *can, struct lx_error *error)
     };
     self->dialect = dialect;
     self->peers.listener = -1;
-    if (lx_can_net_check(dialect, can->setup.where, error) != 0) {
-        return -1;
-    }
-    (void)split(dialect, can->setup.where, &self->where);
-    if (lx_peers_open(&self->peers, &peers, error) != 0) {
+    if (read_address(dialect, can->setup.where, &self->where, error) != 0 ||
+        lx_peers_open(&self->peers, &peers, error) != 0) {
         return -1;
     }
     (void)snprintf(can->address, sizeof can->address, "%s%s", dialect->prefix, self->peers.address);

@@ -75,10 +75,13 @@ static void place_encoder(struct lx_clocked *self, size_t index)
         station->rows = (struct dg_keys){stack->instead, 1};
         station->base = settings;
     }
-    if (self->master == LX_CLOCKED_THERE) {
-        lx_clocked_hold(self, index, &station->image.queue);
+    if (self->master == LX_CLOCKED_HERE) {
+        station->control->port = self->protocol->port;
+        station->control->port_ctx = station;
+        return;
     }
-    if (self->master == LX_CLOCKED_THERE && self->protocol->slow_down != NULL) {
+    lx_clocked_hold(self, index, &station->image.queue);
+    if (self->protocol->slow_down != NULL) {
         self->protocol->slow_down(settings);
     }
 }
@@ -171,12 +174,4 @@ dg_ns lx_clocked_hint(struct lx_clocked *self, const struct lx_say *say, const c
         lx_note(say, "%s: %s", name, text);
     }
     return due;
-}
-
-void lx_clocked_offer(const struct lx_clocked *self, const struct lx_bus_setup *setup)
-{
-    for (size_t i = 0; i < setup->count; i++) {
-        setup->stations[i]->control->port = self->protocol->port;
-        setup->stations[i]->control->port_ctx = setup->stations[i];
-    }
 }

@@ -111,7 +111,4 @@ void lx_clocked_close(struct lx_clocked *self);
 dg_ns lx_clocked_hint(struct lx_clocked *self, const struct lx_say *say, const char *name,
                       dg_ns now);
 
-/** What a simulated wire has for the protocol's own commands, behind each station of `setup`. */
-void lx_clocked_offer(const struct lx_clocked *self, const struct lx_bus_setup *setup);
-
 #endif

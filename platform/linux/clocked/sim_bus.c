@@ -371,7 +371,6 @@ static struct lx_bus *make(const struct lx_bus_setup *setup, struct dg_engine_wi
     }
     const struct dg_bus_master_setup master = lx_sim_bus_master(&self->bus);
     to->edges = dg_bus_master_wire(&master);
-    lx_clocked_offer(self->line, setup);
     return &self->bus;
 }
 

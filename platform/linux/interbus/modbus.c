@@ -219,7 +219,7 @@ void lx_modbus_unwatch(struct lx_modbus *self)
 bool lx_modbus_address_fits(const char *where)
 {
     struct lx_peers_where endpoint;
-    return lx_peers_split(where, &endpoint) && endpoint.word[0] == '\0';
+    return lx_peers_split_behind("", where, false, &endpoint);
 }
 
 static int listen_at(struct lx_modbus *self, struct lx_error *error)
@@ -236,7 +236,7 @@ static int listen_at(struct lx_modbus *self, struct lx_error *error)
         .byte = on_byte,
         .ctx = self,
     };
-    if (!lx_peers_split(setup->where, &self->where) || self->where.word[0] != '\0') {
+    if (!lx_peers_split_behind("", setup->where, false, &self->where)) {
         return lx_refuse(error, LX_MODBUS_RIGHT, "%s", "");
     }
     self->protocol = modbus_new_tcp_pi(self->where.at.host, self->where.at.port);

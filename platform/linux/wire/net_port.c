@@ -152,10 +152,7 @@ static const char *split(const char *where, struct lx_peers_where *out, bool *te
     static const char rfc2217[] = "rfc2217:";
     *telnet = strncmp(where, rfc2217, strlen(rfc2217)) == 0;
     const char *prefix = *telnet ? rfc2217 : raw;
-    const size_t n = strlen(prefix);
-    const bool good =
-        strncmp(where, prefix, n) == 0 && lx_peers_split(where + n, out) && out->word[0] == '\0';
-    return good ? prefix : NULL;
+    return lx_peers_split_behind(prefix, where, false, out) ? prefix : NULL;
 }
 
 int lx_net_port_check(const char *where, struct lx_error *error)
