@@ -292,6 +292,10 @@ struct dg_co_device {
      * of an object moves, nor the writing of one below 2000h, nor an NMT state that is not
      * Operational behind another one that is not. May be NULL. */
     dg_ns (*step)(struct dg_co_node *node);
+    /** An SDO request that the server refuses, of 8 bytes, before the abort: the device may serve
+     * it, and has the next ones of the transfer in DG_CO_SDO_DEVICE. `data` NULL: the deadline of
+     * dg_co_sdo is over. What it does not serve it aborts. May be NULL. */
+    void (*refused)(struct dg_co_node *node, const uint8_t *data, enum dg_co_abort abort);
 };
 
 /** The bus's operations. */
@@ -326,6 +330,8 @@ enum dg_co_sdo_state {
     DG_CO_SDO_BLOCK_DOWNLOAD,     /**< segments of a block come in */
     DG_CO_SDO_BLOCK_DOWNLOAD_END, /**< waiting for C1h */
     DG_CO_SDO_DELAYED,            /**< the answer to "save" is due at `deadline` */
+    DG_CO_SDO_DEVICE,             /**< what the device does in dg_co_device.refused */
+    DG_CO_SDO_STATE_COUNT
 };
 
 /** The SDO server of a node. */

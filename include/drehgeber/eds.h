@@ -95,6 +95,32 @@ struct dg_co_cell {
     uint8_t type; /**< enum dg_co_type */
 };
 
+/** Longest text, octet string and domain. */
+#define DG_EDS_LONG_MAX 1024u
+
+/** What the bytes of a dg_co_long are. */
+enum dg_co_long_kind {
+    DG_CO_LONG_BYTES,
+    DG_CO_LONG_UNSIGNED,
+    DG_CO_LONG_SIGNED,
+};
+
+/** A value that 32 bits do not hold, and that only stores: a text, a domain, a number of 24 or of
+ * 40 to 64 bits. */
+struct dg_co_long {
+    uint32_t key;   /**< DG_CO_KEY() */
+    uint8_t kind;   /**< enum dg_co_long_kind */
+    uint8_t access; /**< DG_CO_R, DG_CO_W */
+    uint16_t least; /**< bytes that it has */
+    uint16_t most;
+    uint16_t n;             /**< bytes of the default */
+    const uint8_t *initial; /**< default */
+    uint64_t min;           /**< of a number; sign-extended where it is signed */
+    uint64_t max;
+    uint32_t at; /**< with DG_CO_W: its place in the memory of such values */
+    bool kept;   /**< by 1010h */
+};
+
 /**
  * A device from a file. Its dictionary is whole; objects that `base` has, too, behave as there, and
  * its values that the file lacks are kept beside it. Cells lie behind the application's state.
@@ -105,16 +131,22 @@ struct dg_co_file {
     uint16_t profile; /**< low 16 bits of 1000h for which the base's profile counts */
     struct dg_store_layout layout;
     const struct dg_co_cell *cells; /**< sorted by their keys */
+    const struct dg_co_long *longs; /**< likewise */
     uint16_t cell_count;
-    uint16_t kept;      /**< so many of them are kept by 1010h */
-    uint16_t objects;   /**< indices of the dictionary */
-    uint16_t bound;     /**< sub-indices that behave */
-    uint16_t plain;     /**< ... and values */
-    uint8_t node_id;    /**< as the file says; 0: it does not */
-    uint32_t serial;    /**< 1018h:4 of the file; 0: it does not say */
-    size_t used;        /**< bytes of the memory, from its beginning; the rest is free again */
-    size_t cells_at;    /**< bytes from dg_co_setup.application to the cells' values */
-    const char *vendor; /**< "": the file does not say */
+    uint16_t long_count;
+    uint16_t kept;       /**< so many of the cells are kept by 1010h */
+    uint16_t longs_kept; /**< ... and of the others */
+    uint16_t long_kept;  /**< bytes that these take */
+    uint16_t objects;    /**< indices of the dictionary */
+    uint16_t bound;      /**< sub-indices that behave */
+    uint16_t plain;      /**< ... and values */
+    uint8_t node_id;     /**< as the file says; 0: it does not */
+    uint32_t serial;     /**< 1018h:4 of the file; 0: it does not say */
+    size_t used;         /**< bytes of the memory, from its beginning; the rest is free again */
+    size_t cells_at;     /**< bytes from dg_co_setup.application to the cells' values */
+    size_t longs_at;     /**< ... and to those of `longs` */
+    size_t more;         /**< bytes from `cells_at` on that a node needs */
+    const char *vendor;  /**< "": the file does not say */
 };
 
 /** What a file is put on. */

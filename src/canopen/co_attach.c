@@ -71,6 +71,9 @@ static bool sdo_fits(const struct dg_co_node *self)
     if (sdo->state == DG_CO_SDO_IDLE) {
         return sdo->deadline == DG_NEVER;
     }
+    if (sdo->state == DG_CO_SDO_DEVICE) { /* which looks for itself */
+        return true;
+    }
     if (comes) {
         const uint32_t key = DG_CO_KEY(sdo->object.index, sdo->object.sub);
         return dg_co_find(self->setup.device, key, &object) == DG_CO_OK &&

@@ -70,6 +70,18 @@ enum dg_co_abort dg_co_hook_follows(struct dg_co_node *node, const struct dg_co_
 
 #define TAG 0x31534445u /* "EDS1" */
 
+/* Word `n` of those that are kept: two for each. */
+static uint32_t long_word(const struct dg_co_file *self, uint32_t n)
+{
+    const struct dg_co_long *one = self->longs;
+
+    for (uint32_t left = n / 2u + 1u; left > 0; one++) {
+        left -= one->kept ? 1u : 0u;
+    }
+    one--;
+    return n % 2u == 0 ? one->key | one->kind : one->most | (uint32_t)one->least << 16;
+}
+
 uint32_t dg_co_file_word(const struct dg_co_file *self, uint32_t n)
 {
     const struct dg_co_device *device = &self->device;
@@ -80,18 +92,21 @@ uint32_t dg_co_file_word(const struct dg_co_file *self, uint32_t n)
         [EDS_WORD_VENDOR] = device->vendor_id,
         [EDS_WORD_PRODUCT] = device->product_code,
         [EDS_WORD_REVISION] = device->revision,
-        [EDS_WORD_KEPT] = self->kept,
+        [EDS_WORD_KEPT] = self->kept | (uint32_t)self->longs_kept << 16,
     };
 
-    return n < EDS_WORD_CELLS
-               ? head[n]
-               : self->cells[n - EDS_WORD_CELLS].key | self->cells[n - EDS_WORD_CELLS].type;
+    if (n < EDS_WORD_CELLS) {
+        return head[n];
+    }
+    n -= EDS_WORD_CELLS;
+    return n < self->kept ? self->cells[n].key | self->cells[n].type
+                          : long_word(self, n - self->kept);
 }
 
 void dg_co_write_words(const struct dg_co_file *self, struct dg_store *store)
 {
     const uint8_t region = self->base->layout->region_count;
-    const uint32_t count = self->kept == 0 ? 0 : EDS_WORD_CELLS + self->kept;
+    const uint32_t count = eds_word_count(self->kept, self->longs_kept);
 
     for (uint32_t first = 0; first < count; first += EDS_CELLS_A_REGION) {
         const uint32_t left = count - first;
@@ -125,7 +140,8 @@ static void store_cells(struct dg_co_node *node)
     uint8_t bytes[DG_STORE_CHECKED_MAX];
 
     dg_co_write_words(file, &node->store);
-    for (uint8_t n = 0; first + n < file->layout.region_count; n++) {
+    dg_co_save_longs(node);
+    for (uint8_t n = 0; n * EDS_CELLS_A_REGION < file->kept; n++) {
         const uint16_t count = eds_cells_in(file->kept, n);
         for (uint16_t i = 0; i < count; i++) {
             dg_store_le32(&bytes[(size_t)4u * i], *value++);
@@ -162,7 +178,8 @@ static void load_cells(struct dg_co_node *node)
     const uint8_t first = first_of(file);
     uint8_t bytes[DG_STORE_CHECKED_MAX];
 
-    for (uint8_t n = 0; first + n < file->layout.region_count; n++) {
+    dg_co_load_longs(node);
+    for (uint8_t n = 0; n * EDS_CELLS_A_REGION < file->kept; n++) {
         const uint8_t region = (uint8_t)(first + n);
         const uint16_t count = eds_cells_in(file->kept, n);
         uint32_t *value = dg_co_cells(node) + (size_t)n * EDS_CELLS_A_REGION;
@@ -183,6 +200,9 @@ bool dg_co_reset_file(struct dg_co_node *node, bool application)
     for (uint16_t i = 0; application && i < file->cell_count; i++) {
         const struct dg_co_cell *cell = &file->cells[i];
         dg_co_cells(node)[i] = cell->initial + (cell->follows ? node->id : 0u);
+    }
+    if (application) {
+        dg_co_reset_longs(node);
     }
     if (application && is_saved(node)) {
         load_cells(node);

@@ -18,6 +18,8 @@ struct image {
     struct dg_store_region regions[DG_STORE_REGIONS_MAX];
     uint32_t head[EDS_WORD_CELLS];
     uint16_t kept;
+    uint16_t longs;     /* values of more than 32 bits */
+    uint16_t long_kept; /* bytes of them */
     bool saved;
     uint8_t node_id;
 };
@@ -48,6 +50,26 @@ static bool find_id(struct dg_nvm nvm, uint32_t *id)
     return false;
 }
 
+/* How long the copies of what has more than 32 bits are. */
+static bool read_sizes(struct converting *self, struct dg_nvm nvm)
+{
+    const struct dg_store_layout *base = self->file->base->layout;
+    struct image *from = &self->from;
+    const uint32_t address =
+        dg_store_address(base, base->region_count) + 4u * (EDS_WORD_CELLS + from->kept);
+    uint32_t size = 0;
+
+    for (uint32_t n = 0; n < from->longs && size <= EDS_LONGS_KEPT; n++) {
+        uint8_t bytes[4];
+        if (nvm.ops->read(nvm.ctx, address + 8u * n + 4u, bytes, sizeof bytes) != DG_OK) {
+            return false;
+        }
+        size += EDS_LENGTH_SIZE + dg_load_le16(bytes);
+    }
+    from->long_kept = (uint16_t)size;
+    return size <= EDS_LONGS_KEPT;
+}
+
 /* What the image tells of its file; it may be anything. */
 static bool read_head(struct converting *self, struct dg_nvm nvm)
 {
@@ -64,9 +86,10 @@ static bool read_head(struct converting *self, struct dg_nvm nvm)
         from->head[n] = dg_load_le32(&bytes[(size_t)4u * n]);
     }
     from->kept = (uint16_t)from->head[EDS_WORD_KEPT];
+    from->longs = (uint16_t)(from->head[EDS_WORD_KEPT] >> 16);
     return from->head[EDS_WORD_TAG] == dg_co_file_word(self->file, EDS_WORD_TAG) &&
            from->head[EDS_WORD_BASE] == base->id && from->head[EDS_WORD_KEPT] > 0 &&
-           from->head[EDS_WORD_KEPT] <= most;
+           from->kept <= most && read_sizes(self, nvm);
 }
 
 static void make_layout(struct converting *self, uint32_t id)
@@ -77,13 +100,17 @@ static void make_layout(struct converting *self, uint32_t id)
 
     memcpy(from->regions, base->regions, count * sizeof *from->regions);
     from->regions[count++] = (struct dg_store_region){
-        .name = "objects", .size = (uint16_t)(4u * (EDS_WORD_CELLS + from->kept))};
+        .name = "objects", .size = (uint16_t)(4u * eds_word_count(from->kept, from->longs))};
     for (uint32_t n = 0; n * EDS_CELLS_A_REGION < from->kept; n++) {
         from->regions[count++] = (struct dg_store_region){
             .name = "values",
             .size = (uint16_t)(4u * eds_cells_in(from->kept, n)),
             .check = DG_STORE_CHECKED,
         };
+    }
+    if (from->long_kept > 0 && count < DG_STORE_REGIONS_MAX) {
+        from->regions[count++] = (struct dg_store_region){
+            .name = "texts", .size = (uint16_t)(2u * (EDS_COPY_HEAD + from->long_kept))};
     }
     from->layout = *base;
     from->layout.id = id;
@@ -256,6 +283,24 @@ static int convert_cells(struct converting *self, bool copied)
     return result;
 }
 
+static int convert_longs(struct converting *self, bool copied)
+{
+    const struct dg_co_convert_longs all = {
+        .file = self->file,
+        .from = &self->from.store,
+        .to = copied ? &self->to : NULL,
+        .tell = self->tell,
+        .ctx = self->ctx,
+        .first = EDS_WORD_CELLS + self->from.kept,
+        .count = self->from.longs,
+        .size = self->from.long_kept,
+        .words = self->file->base->layout->region_count,
+        .saved = self->from.saved,
+    };
+
+    return dg_co_convert_longs(&all);
+}
+
 int dg_co_convert(const struct dg_co_file *self, struct dg_nvm from, struct dg_nvm to,
                   void (*tell)(void *ctx, uint32_t key, enum dg_co_misfit why), void *ctx)
 {
@@ -267,11 +312,13 @@ int dg_co_convert(const struct dg_co_file *self, struct dg_nvm from, struct dg_n
     }
     compare_rest(&all);
     if (to.ops == NULL) {
-        return convert_cells(&all, false);
+        result = convert_cells(&all, false);
+        return result == DG_OK ? convert_longs(&all, false) : result;
     }
     result = dg_store_mount(&all.to, &self->layout, to);
     result = result == DG_OK ? copy_base(&all) : result;
     result = result == DG_OK ? convert_cells(&all, true) : result;
+    result = result == DG_OK ? convert_longs(&all, true) : result;
     if (result == DG_OK) {
         dg_co_write_words(self, &all.to);
     }

@@ -2,7 +2,7 @@
 /*
  * A device from the entries of an EDS file: identity, dictionary, memory.
  *
- *   memory   | hidden rows | rows | cells | limits | hooks | strings | ... | free | entries |
+ *   memory   | hidden rows | rows | cells | limits | hooks | strings | longs | free | entries |
  */
 #include <string.h>
 
@@ -230,6 +230,11 @@ static uint32_t layout_id(const struct eds_maker *self)
         const struct dg_co_cell *cell = &self->cells[i];
         id = add_words(id, (const uint32_t[]){cell->key, cell->limits.min, cell->limits.max}, 3);
     }
+    for (uint16_t i = 0; i < self->to->long_count; i++) {
+        const struct dg_co_long *one = &self->longs[i];
+        const uint32_t words[] = {one->key | one->kind, one->most};
+        id = one->kept ? add_words(id, words, DG_COUNT(words)) : id;
+    }
     return id;
 }
 
@@ -261,7 +266,8 @@ static void make_layout(struct eds_maker *self)
 {
     const struct dg_store_layout *base = self->to->base->layout;
     struct dg_co_file *to = self->to;
-    const uint32_t room = (DG_STORE_REGIONS_MAX - 1u - base->region_count) * EDS_CELLS_A_REGION;
+    const uint32_t own = to->long_kept > 0 ? 2u : 1u;
+    const uint32_t room = (DG_STORE_REGIONS_MAX - own - base->region_count) * EDS_CELLS_A_REGION;
     struct dg_store_region *regions =
         dg_co_keep_bytes(&self->in, DG_STORE_REGIONS_MAX * sizeof *regions);
 
@@ -272,9 +278,10 @@ static void make_layout(struct eds_maker *self)
     memcpy(regions, base->regions, base->region_count * sizeof *regions);
     choose_bus(self, &regions[DG_CO_REGION_BUS]);
     uint8_t count = base->region_count;
-    if (to->kept > 0) {
-        regions[count++] = (struct dg_store_region){
-            .name = "objects", .size = (uint16_t)(4u * (EDS_WORD_CELLS + to->kept))};
+    const uint32_t words = eds_word_count(to->kept, to->longs_kept);
+    if (words > 0) {
+        regions[count++] =
+            (struct dg_store_region){.name = "objects", .size = (uint16_t)(4u * words)};
     }
     for (uint32_t n = 0; n * EDS_CELLS_A_REGION < to->kept; n++) {
         regions[count++] = (struct dg_store_region){
@@ -282,6 +289,10 @@ static void make_layout(struct eds_maker *self)
             .size = (uint16_t)(4u * eds_cells_in(to->kept, n)),
             .check = DG_STORE_CHECKED,
         };
+    }
+    if (to->long_kept > 0) {
+        regions[count++] = (struct dg_store_region){
+            .name = "texts", .size = (uint16_t)(2u * (EDS_COPY_HEAD + to->long_kept))};
     }
     to->layout = *base;
     to->layout.id = layout_id(self);
@@ -327,6 +338,16 @@ static void begin_device(struct eds_maker *self)
     self->to->vendor = dg_co_keep_text(&self->in, info->vendor, DG_CO_STRING_MAX);
 }
 
+static size_t count_longs(const struct eds_reader *in)
+{
+    size_t count = 0;
+
+    for (size_t i = 0; i < in->count; i++) {
+        count += dg_co_is_long(&in->entries[i]) ? 1u : 0u;
+    }
+    return count;
+}
+
 /* Room for tables, as large as they can become. */
 static bool make_room(struct eds_maker *self)
 {
@@ -339,6 +360,7 @@ static bool make_room(struct eds_maker *self)
     self->limits = dg_co_keep_bytes(&self->in, EDS_LIMITS_MAX * sizeof *self->limits);
     self->hooks = dg_co_keep_bytes(&self->in, EDS_HOOKS_MAX * sizeof *self->hooks);
     self->strings = dg_co_keep_bytes(&self->in, count * sizeof *self->strings);
+    self->longs = dg_co_keep_bytes(&self->in, count_longs(&self->in) * sizeof *self->longs);
     if (self->in.out) {
         return false;
     }
@@ -347,6 +369,27 @@ static bool make_room(struct eds_maker *self)
     self->limit_count = 1;
     self->hook_count = 1;
     return true;
+}
+
+/* Behind the application's state: cells, then the rest. */
+static void place_values(struct eds_maker *self)
+{
+    struct dg_co_file *to = self->to;
+    const size_t cells = to->cell_count * sizeof(uint32_t);
+
+    to->cells = self->cells;
+    to->longs = self->longs;
+    to->longs_at = to->cells_at + cells;
+    to->more = cells;
+    if (to->long_count > 0) {
+        to->more += dg_co_place_longs(self->longs, to->long_count, &to->long_kept);
+        to->device.refused = dg_co_serve_long;
+    }
+    for (uint16_t i = 0; i < to->long_count; i++) {
+        const struct dg_co_long *one = &self->longs[i];
+        to->longs_kept = (uint16_t)(to->longs_kept + (one->kept ? 1u : 0u));
+        self->forgets = self->forgets || (!one->kept && (one->access & DG_CO_W) != 0);
+    }
 }
 
 static void note_whole(struct eds_maker *self)
@@ -362,7 +405,7 @@ static void note_whole(struct eds_maker *self)
         const struct eds_place type = {.section = {"1000", 4}, .lacks = true};
         dg_co_note_place(in, &type, "another profile: its objects are values only", NULL);
     }
-    if (to->kept < to->cell_count) {
+    if (to->kept < to->cell_count || self->forgets) {
         const struct eds_place place = {.lacks = true};
         dg_co_note_place(in, &place,
                          "more values than 1010h can keep: those behind are lost at power-off",
@@ -386,7 +429,7 @@ static int make_device(struct eds_maker *self)
     device->dictionary.limits = self->limits;
     device->dictionary.hooks = self->hooks;
     device->strings = self->strings;
-    self->to->cells = self->cells;
+    place_values(self);
     make_rates(self);
     make_layout(self);
     note_whole(self);
@@ -433,7 +476,11 @@ enum dg_co_role dg_co_role_of(const struct dg_co_file *self, uint16_t n)
 {
     const struct dg_co_object object = {.row = &self->device.dictionary.rows[n]};
     dg_co_hook *const hook = self->device.dictionary.hooks[object.row->hook];
+    const struct dg_co_long *found = dg_co_find_long(self, object.row->key & 0xFFFFFF00u);
 
+    if (found != NULL) {
+        return (found->access & DG_CO_W) != 0 ? DG_CO_STORES : DG_CO_CONSTANT;
+    }
     if (hook == dg_co_hook_cell) {
         struct dg_co_object base;
         const bool own = (self->device.device_type & 0xFFFFu) == self->profile;

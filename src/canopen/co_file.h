@@ -2,7 +2,8 @@
 /**
  * @file
  * Inside of the reader of EDS files: the text becomes entries (co_read.c), entries become rows
- * (co_rows.c) of a device (co_file.c), some of which only store (co_cells.c).
+ * (co_rows.c, co_long_rows.c) of a device (co_file.c), some of which only store (co_cells.c,
+ * co_long.c).
  */
 #ifndef DREHGEBER_CO_FILE_H
 #define DREHGEBER_CO_FILE_H
@@ -77,9 +78,11 @@ struct eds_reader {
 
 /** A number of CiA 306 as it was written. */
 struct eds_number {
-    uint32_t value; /**< negative ones as two's complement */
+    uint64_t wide;  /**< negative ones as two's complement, likewise the next */
+    uint32_t value; /**< 0 where 32 bits do not hold it */
     bool follows;   /**< $NODEID stands in it */
-    bool valid;
+    bool valid;     /**< 32 bits hold it */
+    bool valid_wide;
 };
 
 /** Bit rates by the bits of eds_info.rates. */
@@ -126,7 +129,10 @@ struct eds_maker {
     struct dg_co_limits *limits;
     dg_co_hook **hooks;
     const char **strings;
+    struct dg_co_long *longs;
     uint32_t string_count;
+    uint16_t text_count; /**< of `longs`: texts that may be written */
+    bool forgets;        /**< 1010h does not keep all of `longs` */
     uint8_t limit_count;
     uint8_t hook_count;
 };
@@ -147,6 +153,76 @@ bool dg_co_reset_file(struct dg_co_node *node, bool application);
 /** Cells in a region of the store. */
 #define EDS_CELLS_A_REGION (DG_STORE_CHECKED_MAX / 4u)
 
+/** Texts and domains of a file that may be written, as each takes DG_EDS_LONG_MAX bytes. */
+#define EDS_TEXTS_MAX 64u
+/** Whether 32 bits and the text of a row do not hold the value of an entry (co_long_rows.c). */
+bool dg_co_is_long(const struct eds_entry *entry);
+/** Make its value, and its row, which nobody may read or write: the SDO server refuses it. */
+void dg_co_make_long(struct eds_maker *self, struct eds_entry *entry, struct dg_co_row *row);
+/** Of what 1010h keeps: as much as an EEPROM of 16 kB has room for, twice. */
+#define EDS_LONGS_KEPT 4096u
+/** In front of each that may be written. */
+#define EDS_LENGTH_SIZE 2u
+/** In front of each copy of what is kept. */
+#define EDS_COPY_HEAD 4u
+/** Give those that may be written a place. @param kept bytes of those that 1010h keeps, which stand
+ * in front @return bytes from `longs_at` on */
+size_t dg_co_place_longs(struct dg_co_long *longs, uint16_t count, uint16_t *kept);
+/** The first of them: what dg_co_long.at counts from. */
+uint8_t *dg_co_long_bytes(const struct dg_co_node *node);
+/** Whether a value may have these bytes. */
+bool dg_co_long_is_inside(const struct dg_co_long *self, const uint8_t *bytes);
+/** The value of this key, or NULL. */
+const struct dg_co_long *dg_co_find_long(const struct dg_co_file *self, uint32_t key);
+/** As delivered. */
+void dg_co_reset_longs(const struct dg_co_node *node);
+/** dg_co_device.refused of a file that has such values. */
+void dg_co_serve_long(struct dg_co_node *node, const uint8_t *data, enum dg_co_abort abort);
+
+/** The two copies of what is kept, in a region of a store (co_long_kept.c). */
+struct dg_co_copies {
+    struct dg_store *store;
+    uint8_t region;
+    uint8_t newest;  /**< the copy in force, if there is one */
+    bool found;      /**< there is */
+    uint16_t number; /**< of it */
+    uint16_t size;   /**< bytes of a copy */
+};
+struct dg_co_copies dg_co_open_copies(struct dg_store *store, uint8_t region, uint16_t size);
+/** Read from the copy in force. @return false: there is none */
+bool dg_co_read_copy(struct dg_co_copies *self, uint32_t at, uint8_t *to, uint16_t n);
+/** Write the other one, and with the sum (dg_crc16() from 0) of all of it put it in force.
+ * @return as dg_store_put() */
+int dg_co_write_copy(struct dg_co_copies *self, uint32_t at, const uint8_t *from, uint16_t n);
+int dg_co_end_copy(struct dg_co_copies *self, uint16_t sum);
+/** A value of an image, by its words (EDS_WORD_CELLS) and its place in a copy. */
+struct dg_co_kept {
+    uint32_t key;
+    uint32_t at;
+    uint16_t least;
+    uint16_t most;
+    uint8_t kind; /**< enum dg_co_long_kind */
+};
+/** Convert what is kept: as dg_co_convert(), which has mounted both. `from` has `count` values,
+ * told by the words of region `words` from word `first` on. @param to NULL: nothing is copied
+ * @param saved whether anything was ever saved in `from` */
+struct dg_co_convert_longs {
+    const struct dg_co_file *file;
+    struct dg_store *from;
+    struct dg_store *to;
+    void (*tell)(void *ctx, uint32_t key, enum dg_co_misfit why);
+    void *ctx;
+    uint32_t first;
+    uint16_t count;
+    uint16_t size; /**< bytes of a copy in `from` */
+    uint8_t words;
+    bool saved;
+};
+int dg_co_convert_longs(const struct dg_co_convert_longs *self);
+/** Of a node. */
+void dg_co_save_longs(struct dg_co_node *node);
+void dg_co_load_longs(struct dg_co_node *node);
+
 /** Whether a cell may have this value, sign-extended where its type is signed. */
 static inline bool eds_is_inside(const struct dg_co_cell *cell, uint32_t value)
 {
@@ -166,9 +242,15 @@ enum eds_word {
     EDS_WORD_VENDOR,
     EDS_WORD_PRODUCT,
     EDS_WORD_REVISION,
-    EDS_WORD_KEPT,
-    EDS_WORD_CELLS, /**< key, and its type in the last byte */
+    EDS_WORD_KEPT,  /**< cells, and values of more than 32 bits in the upper half */
+    EDS_WORD_CELLS, /**< key, and its type in the last byte; then two for each of the others: key
+                       and kind, bytes: most, and least in the upper half */
 };
+/** How many words there are; 0: nothing is kept. */
+static inline uint32_t eds_word_count(uint16_t kept, uint16_t longs)
+{
+    return kept == 0 && longs == 0 ? 0 : EDS_WORD_CELLS + kept + 2u * longs;
+}
 /** Word `n` of a file. */
 uint32_t dg_co_file_word(const struct dg_co_file *self, uint32_t n);
 /** Write them all, as far as they are not there. */

@@ -193,7 +193,7 @@ static void sdo_rx(struct dg_co_node *self, const struct dg_can_frame *frame)
     }
     const enum dg_co_abort abort = dg_co_sdo_rx(self, frame->data);
     if (abort != DG_CO_OK) {
-        dg_co_sdo_abort(self, abort);
+        dg_co_sdo_refuse(self, frame->data, abort);
     }
 }
 

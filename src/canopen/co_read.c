@@ -135,27 +135,24 @@ static size_t condense_number(struct eds_span text, char to[DIGITS_MAX], bool *f
     return n;
 }
 
-/* All digits of a base, at most 2^32 - 1. */
-static bool convert_digits(const char *digits, size_t n, uint32_t base, uint32_t *to)
+/* All digits of a base, at most 2^64 - 1. */
+static bool convert_digits(const char *digits, size_t n, uint32_t base, uint64_t *to)
 {
     uint64_t value = 0;
 
     for (size_t i = 0; i < n; i++) {
         const uint32_t digit = digit_of(digits[i]);
-        if (digit >= base) {
+        if (digit >= base || value > (UINT64_MAX - digit) / base) {
             return false;
         }
         value = value * base + digit;
-        if (value > UINT32_MAX) {
-            return false;
-        }
     }
-    *to = (uint32_t)value;
+    *to = value;
     return n > 0;
 }
 
 /* 12, 0x12, 12h; 012 is octal, as CiA 306 has it, unless it cannot be. */
-static bool convert_number(const char *digits, size_t n, uint32_t *to)
+static bool convert_number(const char *digits, size_t n, uint64_t *to)
 {
     if (n > 2 && digits[0] == '0' && small(digits[1]) == 'x') {
         return convert_digits(digits + 2, n - 2u, 16, to);
@@ -177,10 +174,13 @@ struct eds_number dg_co_take_number(struct eds_span text)
         return number;
     }
     const bool minus = n > 0 && digits[0] == '-';
-    number.valid =
+    uint64_t value = 0;
+    number.valid_wide =
         n == 0 ? number.follows
-               : convert_number(digits + (minus ? 1 : 0), n - (minus ? 1u : 0u), &number.value);
-    number.value = minus ? 0u - number.value : number.value;
+               : convert_number(digits + (minus ? 1 : 0), n - (minus ? 1u : 0u), &value);
+    number.valid = number.valid_wide && value <= UINT32_MAX;
+    number.wide = minus ? 0u - value : value;
+    number.value = number.valid ? (uint32_t)number.wide : 0;
     return number;
 }
 
@@ -260,12 +260,17 @@ static void note_line(const struct line *line, const char *what, const char *rig
 /* Digits at the beginning, at most `most`. @return how many */
 static size_t read_digits(struct eds_span text, uint32_t base, size_t most, uint32_t *to)
 {
+    uint64_t value = 0;
     size_t n = 0;
 
     while (n < text.n && n < most && digit_of(text.at[n]) < base) {
         n++;
     }
-    return convert_digits(text.at, n, base, to) ? n : 0;
+    if (!convert_digits(text.at, n, base, &value)) {
+        return 0;
+    }
+    *to = (uint32_t)value;
+    return n;
 }
 
 static const char no_object[] = "is no section of an object, and left out";

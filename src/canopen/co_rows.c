@@ -145,12 +145,6 @@ const char *dg_co_keep_text(struct eds_reader *in, struct eds_span text, size_t 
 static void make_string(struct eds_maker *self, const struct eds_entry *entry,
                         struct dg_co_row *row)
 {
-    if (entry->initial.n > DG_CO_STRING_MAX) {
-        dg_co_note_lack(&self->in, entry, "DefaultValue", "is cut off behind 32 characters", NULL);
-    }
-    if ((entry->access & DG_CO_W) != 0) {
-        dg_co_note_lack(&self->in, entry, "AccessType", "texts cannot be written: read only", NULL);
-    }
     row->flags = (uint16_t)(DG_CO_STRING << 12 | DG_CO_R | DG_CO_CONST);
     row->initial = self->string_count;
     self->strings[self->string_count++] =
@@ -329,15 +323,19 @@ static bool make_row(struct eds_maker *self, struct eds_entry *entry, struct dg_
     struct dg_co_object base;
 
     *row = (struct dg_co_row){.key = entry->key};
-    if (type == DG_CO_TYPE_COUNT) {
+    if (type == DG_CO_TYPE_COUNT && !dg_co_is_long(entry)) {
         dg_co_note_lack(&self->in, entry, "DataType", "is left out: it has no such type",
-                        "0x1 to 0xB, or 0xF");
+                        "a data type of CiA 301, 0x1 to 0x1B");
         return false;
     }
     if (entry->access == 0) {
         dg_co_note_entry(&self->in, entry, "AccessType", "is missing: read only",
                          "ro, wo, rw, rwr, rww or const");
         entry->access = DG_CO_R;
+    }
+    if (dg_co_is_long(entry)) {
+        dg_co_make_long(self, entry, row);
+        return true;
     }
     if (type == DG_CO_STRING) {
         make_string(self, entry, row);

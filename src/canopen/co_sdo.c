@@ -13,7 +13,7 @@
  *   BLOCK_UPLOAD_END --A1h--> IDLE              IDLE
  *
  * Any of 40h, 2xh, A0h, C0h starts anew from every state; an abort by either side and the timeout
- * lead to IDLE.
+ * lead to IDLE. All else is refused in DEVICE, which is what a device does with what is refused.
  */
 #include <string.h>
 
@@ -35,8 +35,8 @@
 #define NO_MORE 0x01u
 
 #define IN(state) (1u << (state))
-#define OTHER (IN(DG_CO_SDO_DELAYED) - 1u) /* all but this one */
-#define BEGINS 0x8000u                     /* ends what was running */
+#define OTHER (IN(DG_CO_SDO_STATE_COUNT) - 1u - IN(DG_CO_SDO_DELAYED)) /* all but this one */
+#define BEGINS 0x8000u                                                 /* ends what was running */
 #define ANY (BEGINS | OTHER)
 
 static sdo_handler upload_initiate, upload_blocks, upload_segment, download_initiate;
@@ -118,6 +118,17 @@ void dg_co_sdo_abort(struct dg_co_node *self, enum dg_co_abort code)
 {
     dg_co_sdo_become(self, DG_CO_SDO_IDLE);
     (void)co_sdo_confirm(self, SDO_ABORT, code);
+}
+
+void dg_co_sdo_refuse(struct dg_co_node *self, const uint8_t *data, enum dg_co_abort abort)
+{
+    const struct dg_co_device *device = self->setup.device;
+
+    if (device->refused != NULL) {
+        device->refused(self, data, abort);
+        return;
+    }
+    dg_co_sdo_abort(self, abort);
 }
 
 enum dg_co_abort dg_co_sdo_written(struct dg_co_node *self, uint8_t command)
@@ -404,7 +415,7 @@ dg_ns dg_co_sdo_step(struct dg_co_node *self)
     if (sdo->state == DG_CO_SDO_DELAYED) {
         send_delayed(self);
     } else {
-        dg_co_sdo_abort(self, DG_CO_TIMEOUT);
+        dg_co_sdo_refuse(self, NULL, DG_CO_TIMEOUT);
     }
     return sdo->deadline;
 }

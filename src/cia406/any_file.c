@@ -162,7 +162,7 @@ int dg_cia406_read(struct dg_cia406_file *self, const struct dg_eds_setup *setup
         .resolution = self->resolution,
         .stack = &dg_cia406_stack,
         .model = &self->model,
-        .more = self->file.cell_count * sizeof(uint32_t),
+        .more = self->file.more,
     };
     return check_own(self, setup, error);
 }

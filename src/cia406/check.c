@@ -28,7 +28,7 @@ static const struct dg_stack_range ranges[] = {
     OF_NODE(bus_found, 1),
     OF_NODE(lss.configuration, 1),
     OF_NODE(lss.changed, 1),
-    OF_NODE(sdo.state, DG_CO_SDO_DELAYED),
+    OF_NODE(sdo.state, DG_CO_SDO_STATE_COUNT - 1u),
     OF_NODE(sdo.sized, 1),
     OF_NODE(sdo.crc, 1),
     OF_NODE(sdo.seqno, SEGMENTS_MAX),

@@ -13,7 +13,7 @@
 #include "ram_nvm.h"
 
 #define NODE_ID 5u
-#define CELLS_MAX 4096u
+#define CELLS_MAX 32768u
 #define SAVE 0x65766173u
 #define WRITE 0x22u /* without a size: as many bytes as the object has */
 
@@ -58,6 +58,26 @@ static void send_request(uint8_t command, uint32_t key, uint32_t value)
     (void)dg_co_step(&bench.encoder.device.node, bench.now);
 }
 
+/* A value that 32 bits do not hold, up and down; a block of it takes its time. */
+static void use_blocks(uint32_t key)
+{
+    struct dg_co_node *node = &bench.encoder.device.node;
+
+    send_request(0xA4, key, 0x7Fu);
+    send_request(0xA3, 0, 0);
+    for (unsigned i = 0; i < 150; i++) {
+        bench.now += DG_MS(1);
+        (void)dg_co_step(node, bench.now);
+    }
+    send_request(0xA2, 0x7F7F0000u, 0); /* confirms 127, of 127 or of fewer */
+    send_request(0xA2, 0x7F01u << 16, 0);
+    send_request(0xA1, 0, 0);
+    send_request(0xC0, key, 0);
+    send_request(0x01, key, 0);
+    send_request(0x82, key, 0);
+    send_request(0xC1, 0, 0);
+}
+
 /* What a master may do to each object, and a SYNC in between. */
 static void use_objects(void)
 {
@@ -70,6 +90,9 @@ static void use_objects(void)
         send_request(0x40, key, 0);
         send_request(WRITE, key, key >> 16 == 0x1010 ? SAVE : i);
         fuzz_must(bench.sent >= 2 || bench.encoder.device.node.id != NODE_ID);
+        if (dictionary->rows[i].flags == DG_CO_STRING << 12) {
+            use_blocks(key);
+        }
         (void)dg_co_rx(&bench.encoder.device.node, bench.now, &sync);
     }
 }
@@ -98,7 +121,7 @@ static void run_encoder(void)
         .ctx = &bench,
     };
 
-    if (bench.file.file.cell_count > CELLS_MAX) {
+    if (bench.file.device.more > sizeof bench.encoder.cells) {
         return;
     }
     fuzz_must(dg_store_size(device->layout) <= RAM_NVM_MAX);

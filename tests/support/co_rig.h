@@ -12,7 +12,7 @@
 
 #define CO_RIG_FRAMES 256u
 /** Values that only store, of an encoder from an EDS file; others have none. */
-#define CO_RIG_CELLS 1024u
+#define CO_RIG_CELLS 32768u
 
 struct co_rig {
     const struct dg_cia406_model *model;

@@ -42,7 +42,7 @@ void eds_rig_start(struct eds_rig *self, const char *text)
     const struct dg_co_device *device = &self->file.file.device;
 
     eds_rig_read_text(self, text);
-    assert_true(self->file.file.cell_count <= CO_RIG_CELLS);
+    assert_true(self->file.device.more <= sizeof self->co.cells);
     co_rig_start_model(&self->co, &self->file.model);
     assert_int_equal(dg_co_burn_node_id(device, ram_nvm_port(&self->co.nvm), EDS_RIG_NODE), DG_OK);
     assert_int_equal(co_rig_power_on(&self->co), DG_OK);

@@ -10,10 +10,11 @@
 
 #include <cmocka.h>
 
+#include "drehgeber/bits.h"
 #include "eds_client.h"
 #include "ram_nvm.h"
 
-#define IMAGE 8192u
+#define IMAGE 16384u
 #define TOLD_MAX 16u
 
 #define HEAD(type)                                                                                 \
@@ -140,6 +141,53 @@ static void what_fits_is_copied(void **state)
     }
 }
 
+#define WIDE "DefaultValue=0x123456789A\n"
+static const char texts_before[] =
+    HEAD("0x20196") VALUE(2000, 7, "") VALUE(2100, 9, "DefaultValue=old\n") VALUE(2101, 0x1B, WIDE)
+        VALUE(2102, 0x15, "") VALUE(2103, 9, "") VALUE(2104, 0x1B, WIDE);
+static const char texts_after[] = HEAD("0x20196") VALUE(2000, 7, "")
+    VALUE(2099, 9, "DefaultValue=new\n") VALUE(2100, 9, "DefaultValue=text\n")
+        VALUE(2101, 0x1B, "HighLimit=255\n") VALUE(2102, 0x1B, "") VALUE(2104, 0x1B, "");
+
+/* Text of up to 4 characters, as it is in one frame. */
+static uint32_t text_of(struct eds_client *self, uint16_t index)
+{
+    const struct dg_host_event answer = eds_client_ask(self, 0x40, index, 0, 0);
+
+    return answer.data[0] == 0x43 ? dg_load_le32(&answer.data[4]) : answer.data[0];
+}
+
+/* Values of more than 32 bits go by their keys, too. */
+static void texts_and_wide_numbers_are_copied(void **state)
+{
+    static struct ram_nvm memory;
+    static uint8_t bytes[IMAGE];
+    (void)state;
+    read_file(&first, texts_before);
+    read_file(&second, texts_after);
+    eds_client_switch_on(&first);
+    assert_int_equal(eds_client_download(&first, 0x2100, 0, 0x64636261, 4), 0);
+    save(&first);
+    const size_t size = dg_host_memory_size(second.host);
+    ram_nvm_init(&memory, IMAGE);
+    assert_int_equal(dg_co_format(&second.file.file.device, ram_nvm_port(&memory), 1), DG_OK);
+    assert_int_equal(convert(ram_nvm_port(&memory)), DG_OK);
+    assert_told(DG_CO_KEY(0x2099, 0), DG_CO_NEW);
+    assert_told(DG_CO_KEY(0x2101, 0), DG_CO_OUTSIDE);
+    assert_told(DG_CO_KEY(0x2102, 0), DG_CO_RETYPED);
+    assert_told(DG_CO_KEY(0x2103, 0), DG_CO_GONE);
+    assert_int_equal(told_count, 4);
+    memcpy(bytes, memory.bytes, size);
+    assert_int_equal(dg_host_memory_load(second.host, bytes, size), DG_HOST_OK);
+    assert_int_equal(dg_host_power(second.host, second.now, true), DG_HOST_OK);
+    assert_int_equal(text_of(&second, 0x2100), 0x64636261);
+    assert_int_equal(text_of(&second, 0x2099), 0x47);
+    const struct dg_host_event wide = eds_client_ask(&second, 0x40, 0x2104, 0, 0);
+    assert_int_equal(dg_load_le32(&wide.data[4]), 8);
+    const struct dg_host_event value = eds_client_ask(&second, 0x60, 0, 0, 0);
+    assert_int_equal(dg_load_le32(&value.data[1]), 0x3456789A);
+}
+
 /* Values that were never saved are nobody's. */
 static void what_was_not_saved_is_of_no_file(void **state)
 {
@@ -152,15 +200,18 @@ static void what_was_not_saved_is_of_no_file(void **state)
 }
 
 /* Whatever stands in the image: it is refused, or what is made of it starts. */
-static void damaged_images_do_no_harm(void **state)
+static void convert_damaged(bool texts)
 {
     static struct ram_nvm image, memory;
     uint32_t seed = 1;
     unsigned converted = 0;
-    (void)state;
-    read_file(&first, before);
-    read_file(&second, after);
-    write_values(5);
+    read_file(&first, texts ? texts_before : before);
+    read_file(&second, texts ? texts_after : after);
+    if (texts) {
+        eds_client_switch_on(&first);
+    } else {
+        write_values(5);
+    }
     save(&first);
     const size_t size = dg_host_memory_size(first.host);
     for (unsigned i = 0; i < 2000; i++) {
@@ -181,11 +232,19 @@ static void damaged_images_do_no_harm(void **state)
     assert_true(converted > 1000 && converted < 2000);
 }
 
+static void damaged_images_do_no_harm(void **state)
+{
+    (void)state;
+    convert_damaged(false);
+    convert_damaged(true);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(an_image_tells_what_does_not_fit),
         cmocka_unit_test(what_fits_is_copied),
+        cmocka_unit_test(texts_and_wide_numbers_are_copied),
         cmocka_unit_test(what_was_not_saved_is_of_no_file),
         cmocka_unit_test(damaged_images_do_no_harm),
     };

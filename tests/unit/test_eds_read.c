@@ -60,7 +60,7 @@ static const char acme[] =
     "[2002]\nDataType=3\nAccessType=rw\nDefaultValue=0xFFFE\nLowLimit=-5\nHighLimit=0x7FFF\n"
     "[2010]\nObjectType=8\nDataType=6\nAccessType=rw\nDefaultValue=7\nCompactSubObj=4\n"
     "[2010Value]\nNrOfEntries=1\n2=9\n"
-    "[2020]\nDataType=0x1B\nAccessType=rw\n"
+    "[2020]\nDataType=0x20\nAccessType=rw\n"
     "[2021]\nDataType=0x0F\nAccessType=ro\nDefaultValue=domain\n"
     "[6000]\nDataType=6\nAccessType=rw\nDefaultValue=4\n"
     "[6001]\nDataType=7\nAccessType=rw\nDefaultValue=16384\nLowLimit=1\nHighLimit=16384\n"
@@ -509,7 +509,7 @@ static void what_is_tolerated_is_noted(void **state)
               "[2000]\nDataType=6\nDefaultValue=No\nAccessType=rw\n"
               "[2001]\nDataType=5\nDefaultValue=9\nHighLimit=8\nAccessType=rw\n"
               "[2002]\nDataType=5\nAccessType=sometimes\n"
-              "[2003]\nDataType=9\nAccessType=rw\nDefaultValue=0123456789012345678901234567890123\n"
+              "[2003]\nDataType=0x1C\nAccessType=ro\nDefaultValue=1\n"
               "[2000]\nDataType=6\nAccessType=ro\n"
               "[OptionalObjects]\nSupportedObjects=1\n1=0x2000\n");
     assert_true(is_noted("1000", "is left out"));
@@ -517,8 +517,7 @@ static void what_is_tolerated_is_noted(void **state)
     assert_true(is_noted("2000", "twice"));
     assert_true(is_noted("2001", "outside of its limits"));
     assert_true(is_noted("2002", "no access"));
-    assert_true(is_noted("2003", "is cut off"));
-    assert_true(is_noted("2003", "texts cannot be written"));
+    assert_true(is_noted("2003", "has no such type"));
     assert_true(is_noted("", "lists name other objects"));
     assert_true(is_noted("6501", "without a default"));
     start_encoder(&rig.file.device);

@@ -42,7 +42,7 @@ static const char vendor[] = "[DeviceInfo]\nProductName=Acme 3600\n"
                              "[6004]\nDataType=7\nAccessType=ro\n"
                              "[6501]\nDataType=7\nAccessType=ro\nDefaultValue=3600\n"
                              "[6502]\nDataType=6\nAccessType=ro\nDefaultValue=37\n"
-                             "[2000]\nDataType=0x1B\nAccessType=rw\n";
+                             "[2000]\nDataType=0x20\nAccessType=rw\n";
 static const char configured[] = "[DeviceComissioning]\nNodeID=5\n"
                                  "[1000]\nDataType=7\nAccessType=ro\nDefaultValue=0x00020196\n";
 

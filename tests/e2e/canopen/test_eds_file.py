@@ -66,6 +66,39 @@ def test_a_client_finds_the_objects_of_the_file(tmp_path, vendor):
         assert refused.value.code == 0x06020000
 
 
+LONG = ("[2101]\nParameterName=Parameters\nObjectType=7\nDataType=0xF\nAccessType=rw\n"
+        "[2102]\nParameterName=Place\nObjectType=7\nDataType=9\nAccessType=rw\nDefaultValue=hall\n"
+        "[2103]\nParameterName=Steps\nObjectType=7\nDataType=0x1B\nAccessType=rw\nDefaultValue=0x123456789A\n"
+        "[2104]\nParameterName=Low\nObjectType=7\nDataType=0x15\nAccessType=rw\nDefaultValue=-5\n")
+
+
+@pytest.mark.parametrize("size", [1, 4, 5, 7, 889, 1024])
+def test_a_domain_goes_up_and_down_by_segments_and_blocks(tmp_path, vendor, size):
+    data = bytes(i * 7 % 251 for i in range(size))
+    vendor.write_text(vendor.read_text() + LONG)
+    with encoder(tmp_path, vendor) as node:
+        for blocks in (False, True):
+            with node.sdo[0x2101].open("wb", buffering=4096, size=size, block_transfer=blocks) as to:
+                to.write(data[::-1] if blocks else data)
+            for reads_blocks in (False, True):
+                with node.sdo[0x2101].open("rb", block_transfer=reads_blocks) as source:
+                    assert source.read() == (data[::-1] if blocks else data)
+
+
+def test_texts_and_wide_numbers(tmp_path, vendor):
+    vendor.write_text(vendor.read_text() + LONG)
+    with encoder(tmp_path, vendor) as node:
+        assert [node.sdo[index].raw for index in (0x2102, 0x2103, 0x2104)] == ["hall", 0x123456789A, -5]
+        node.sdo[0x2102].raw = "in the tower, third floor, behind the door"
+        node.sdo[0x2103].raw = (1 << 64) - 1
+        node.sdo[0x2104].raw = -1 << 63
+        assert node.sdo[0x2102].raw == "in the tower, third floor, behind the door"
+        assert [node.sdo[index].raw for index in (0x2103, 0x2104)] == [(1 << 64) - 1, -1 << 63]
+        with pytest.raises(canopen.SdoAbortedError) as refused:
+            node.sdo.download(0x2101, 0, bytes(1025))
+        assert refused.value.code == 0x06070012
+
+
 @contextmanager
 def rig(folder, text):
     """A rig file that is at work, as its ready lines say."""
@@ -168,10 +201,10 @@ def test_check_says_what_is_in_a_file(tmp_path, vendor):
     assert (said.returncode, said.stderr) == (0, "")
     assert re.fullmatch(r"\S+/vendor.eds: acme-3600, 3600 steps, 37 turns: 11 objects, "
                         r"9 sub-indices behave, 3 are values, 0 notes\n", said.stdout)
-    vendor.write_text(vendor.read_text() + "[2001]\nDataType=0x1B\n[2002]\nDataType=5\nDefaultValue=No\nAccessType=rw\n")
+    vendor.write_text(vendor.read_text() + "[2001]\nDataType=0x20\n[2002]\nDataType=5\nDefaultValue=No\nAccessType=rw\n")
     notes = run("check", vendor).stdout.splitlines()
     assert [re.sub(r"^\S+?eds:\d+: ", "", line) for line in notes[:2]] == [
-        "[2001] DataType is left out: it has no such type; right is 0x1 to 0xB, or 0xF",
+        "[2001] DataType is left out: it has no such type; right is a data type of CiA 301, 0x1 to 0x1B",
         "[2002] DefaultValue is no number of its type, and left out; right is a number, as 7, 0x0007 or $NODEID+0x180"]
 
 
@@ -181,7 +214,7 @@ def test_check_counts_as_one_speaks(tmp_path):
 
 
 LACKING = ("[1400]\nParameterName=RPDO\nObjectType=9\n[1400sub1]\nDataType=7\nAccessType=rw\nDefaultValue=0x200\n"
-           "[2040]\nParameterName=Wide\nDataType=0x15\nAccessType=rw\n")
+           "[2040]\nParameterName=Odd\nDataType=0x20\nAccessType=rw\n")
 
 
 def test_what_each_object_does(tmp_path, vendor):
@@ -196,7 +229,7 @@ def test_what_each_object_does(tmp_path, vendor):
         "1400h:1   stores     a PDO that this node does not have: values only",
         "2000h     stores     Object 2000",
         "2001h     stores     ?[2J",
-        "2040h     refused    Wide; is left out: it has no such type",
+        "2040h     refused    Odd; is left out: it has no such type",
         "6000h     simulated  Object 6000",
         "6001h     simulated  Object 6001",
         "6002h     simulated  Object 6002",
@@ -212,15 +245,15 @@ def test_what_each_object_does(tmp_path, vendor):
 
 def test_what_it_does_not_do_is_said_at_the_start(tmp_path, vendor):
     many = "".join(f"[{index:04X}]\nDataType=5\nAccessType=rw\n" for index in range(0x3000, 0x3020))
-    wide = "".join(f"[{index:04X}]\nDataType=0x15\nAccessType=rw\n" for index in range(0x4000, 0x4005))
+    odd = "".join(f"[{index:04X}]\nDataType=0x20\nAccessType=rw\n" for index in range(0x4000, 0x4005))
     live = ("--slcan", "--time", "virtual:1MS")
     assert run("run", vendor, *live).stderr == f"drehgeber: {vendor}: values only: 2000h\n"
-    vendor.write_text(vendor.read_text() + many + wide)
+    vendor.write_text(vendor.read_text() + many + odd)
     told = run("run", vendor, *live).stderr.replace(str(vendor), "x.eds").splitlines()
     assert told[0] == ("drehgeber: x.eds: values only: 2000h 3000h 3001h 3002h 3003h 3004h 3005h 3006h and 25 more, "
                        "as 'drehgeber eds x.eds --explain' says")
     assert [re.sub(r":\d+:", ":", line) for line in told[1:4]] == [
-        f"drehgeber: x.eds: [{index}] DataType is left out: it has no such type; right is 0x1 to 0xB, or 0xF"
+        f"drehgeber: x.eds: [{index}] DataType is left out: it has no such type; right is a data type of CiA 301, 0x1 to 0x1B"
         for index in (4000, 4001, 4002)]
     assert told[4:] == ["drehgeber: x.eds: 2 more that its encoder does not do, as 'drehgeber check x.eds' says"]
     assert run("run", vendor, *live, "--quiet").stderr == ""
@@ -276,7 +309,7 @@ def test_commands_that_take_a_model(tmp_path, vendor):
 
 @pytest.mark.parametrize("text, what", [
     ("", "no object"),
-    ("[1000]\nDataType=0x1B\n", "no object that can be read"),
+    ("[1000]\nDataType=0x20\n", "no object that can be read"),
 ])
 def test_what_is_no_eds_file_is_refused(tmp_path, text, what):
     path = tmp_path / "bad.eds"
