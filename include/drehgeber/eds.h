@@ -105,8 +105,7 @@ enum dg_co_long_kind {
     DG_CO_LONG_SIGNED,
 };
 
-/** A value that 32 bits do not hold, and that only stores: a text, a domain, a number of 24 or of
- * 40 to 64 bits. */
+/** A value that 32 bits do not hold: a text, a domain, a number of 24 or of 40 to 64 bits. */
 struct dg_co_long {
     uint32_t key;   /**< DG_CO_KEY() */
     uint8_t kind;   /**< enum dg_co_long_kind */
@@ -119,6 +118,9 @@ struct dg_co_long {
     uint64_t max;
     uint32_t at; /**< with DG_CO_W: its place in the memory of such values */
     bool kept;   /**< by 1010h */
+    /** The base's object of 64 bits that it behaves as; .row NULL: it only stores. Its hook has two
+     * words, the low one first. */
+    struct dg_co_object bound;
 };
 
 /**

@@ -353,7 +353,6 @@ static bool make_room(struct eds_maker *self)
 {
     struct dg_co_device *device = &self->to->device;
     const size_t count = self->in.count;
-
     device->hidden = dg_co_hide_rows(self->to->base, NULL);
     struct dg_co_row *rows = dg_co_keep_bytes(&self->in, (device->hidden + count) * sizeof *rows);
     self->cells = dg_co_keep_bytes(&self->in, count * sizeof *self->cells);
@@ -388,7 +387,7 @@ static void place_values(struct eds_maker *self)
     for (uint16_t i = 0; i < to->long_count; i++) {
         const struct dg_co_long *one = &self->longs[i];
         to->longs_kept = (uint16_t)(to->longs_kept + (one->kept ? 1u : 0u));
-        self->forgets = self->forgets || (!one->kept && (one->access & DG_CO_W) != 0);
+        self->forgets = self->forgets || (!one->kept && eds_is_placed(one));
     }
 }
 
@@ -478,6 +477,9 @@ enum dg_co_role dg_co_role_of(const struct dg_co_file *self, uint16_t n)
     dg_co_hook *const hook = self->device.dictionary.hooks[object.row->hook];
     const struct dg_co_long *found = dg_co_find_long(self, object.row->key & 0xFFFFFF00u);
 
+    if (found != NULL && found->bound.row != NULL) {
+        return DG_CO_SIMULATED;
+    }
     if (found != NULL) {
         return (found->access & DG_CO_W) != 0 ? DG_CO_STORES : DG_CO_CONSTANT;
     }

@@ -145,9 +145,15 @@ void dg_co_make_rows(struct eds_maker *self);
  * counted. @return how many */
 uint16_t dg_co_hide_rows(const struct dg_co_device *base, struct dg_co_row *to);
 
-/** Hooks of rows that are no object of the base: a cell, and what follows the node-ID; "save" with
- * the cells. */
-dg_co_hook dg_co_hook_cell, dg_co_hook_follows, dg_co_hook_keep;
+/** What the base has at the key of an entry. A memory has one object for each of its parts: all of
+ * them are what the first one is. */
+bool dg_co_find_base(const struct eds_maker *self, const struct eds_entry *entry,
+                     struct dg_co_object *object);
+/** @return the number of a hook in the table; 0: NULL. Devices have fewer than the table. */
+uint8_t dg_co_keep_hook(struct eds_maker *self, dg_co_hook *hook);
+/** Hooks of rows that are no object of the base: a cell, what follows the node-ID, 64 bits;
+ * "save" with the cells. */
+dg_co_hook dg_co_hook_cell, dg_co_hook_follows, dg_co_hook_wide, dg_co_hook_keep;
 /** dg_co_device.reset of a file: cells, then the base's own. */
 bool dg_co_reset_file(struct dg_co_node *node, bool application);
 /** Cells in a region of the store. */
@@ -157,11 +163,16 @@ bool dg_co_reset_file(struct dg_co_node *node, bool application);
 #define EDS_TEXTS_MAX 64u
 /** Whether 32 bits and the text of a row do not hold the value of an entry (co_long_rows.c). */
 bool dg_co_is_long(const struct eds_entry *entry);
-/** Make its value, and its row, which nobody may read or write: the SDO server refuses it. */
+/** Make its value, and its row, which the SDO server refuses. */
 void dg_co_make_long(struct eds_maker *self, struct eds_entry *entry, struct dg_co_row *row);
 /** Of what 1010h keeps: as much as an EEPROM of 16 kB has room for, twice. */
 #define EDS_LONGS_KEPT 4096u
-/** In front of each that may be written. */
+/** Whether it has a place of its own in the memory of a node. */
+static inline bool eds_is_placed(const struct dg_co_long *self)
+{
+    return (self->access & DG_CO_W) != 0 && self->bound.row == NULL;
+}
+/** In front of each that has one. */
 #define EDS_LENGTH_SIZE 2u
 /** In front of each copy of what is kept. */
 #define EDS_COPY_HEAD 4u

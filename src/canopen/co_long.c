@@ -80,7 +80,7 @@ uint8_t *dg_co_long_bytes(const struct dg_co_node *node)
     return (uint8_t *)transfer_of(node) + sizeof(struct transfer);
 }
 
-/* Of one that may be written. */
+/* Of one that has a place. */
 static uint8_t *place_of(const struct dg_co_node *node, const struct dg_co_long *self)
 {
     return dg_co_long_bytes(node) + self->at;
@@ -93,13 +93,13 @@ size_t dg_co_place_longs(struct dg_co_long *longs, uint16_t count, uint16_t *kep
 
     for (uint16_t i = 0; i < count; i++) {
         const size_t size = EDS_LENGTH_SIZE + longs[i].most;
-        longs[i].kept = (longs[i].access & DG_CO_W) != 0 && at + size <= EDS_LONGS_KEPT;
+        longs[i].kept = eds_is_placed(&longs[i]) && at + size <= EDS_LONGS_KEPT;
         longs[i].at = (uint32_t)at;
         at += longs[i].kept ? size : 0u;
     }
     *kept = (uint16_t)at;
     for (uint16_t i = 0; i < count; i++) {
-        if ((longs[i].access & DG_CO_W) != 0 && !longs[i].kept) {
+        if (eds_is_placed(&longs[i]) && !longs[i].kept) {
             longs[i].at = (uint32_t)at;
             at += EDS_LENGTH_SIZE + longs[i].most;
         }
@@ -140,7 +140,7 @@ void dg_co_reset_longs(const struct dg_co_node *node)
 
     for (uint16_t i = 0; i < file->long_count; i++) {
         const struct dg_co_long *one = &file->longs[i];
-        if ((one->access & DG_CO_W) != 0) {
+        if (eds_is_placed(one)) {
             store_long(node, one, one->initial, one->n);
         }
     }
@@ -151,7 +151,7 @@ static uint16_t read_long(const struct dg_co_node *node, const struct dg_co_long
                           const uint8_t **bytes)
 {
     *bytes = self->initial;
-    if ((self->access & DG_CO_W) == 0) {
+    if (!eds_is_placed(self)) {
         return self->n;
     }
     const uint8_t *from = place_of(node, self);
@@ -183,6 +183,42 @@ bool dg_co_long_is_inside(const struct dg_co_long *self, const uint8_t *bytes)
                : value >= self->min && value <= self->max;
 }
 
+/* Both words of a number, or of the first 8 bytes. */
+static enum dg_co_abort read_words(struct dg_co_node *node, const struct dg_co_long *self,
+                                   uint32_t words[2])
+{
+    const uint8_t *bytes;
+    uint8_t whole[8] = {0};
+
+    if (self->bound.row != NULL) {
+        return co_hook(&self->bound)(node, &self->bound, DG_CO_READ, words);
+    }
+    const uint16_t n = read_long(node, self, &bytes);
+    memcpy(whole, bytes, n < sizeof whole ? n : sizeof whole);
+    words[0] = dg_load_le32(whole);
+    words[1] = dg_load_le32(&whole[4]);
+    return DG_CO_OK;
+}
+
+/* For PDOs. The SDO server has no room for both: what it is refused comes here. */
+enum dg_co_abort dg_co_hook_wide(struct dg_co_node *node, const struct dg_co_object *object,
+                                 enum dg_co_op op, uint32_t *value)
+{
+    uint32_t words[2] = {0};
+
+    (void)op;
+    if (value == &node->sdo.value) {
+        return DG_CO_HARDWARE;
+    }
+    const enum dg_co_abort abort =
+        read_words(node, &file_of(node)->longs[object->row->initial], words);
+    value[0] = words[0];
+    if (co_type(object) == DG_CO_WIDE) {
+        value[1] = words[1];
+    }
+    return abort;
+}
+
 /* ------------------------------------------------------------ upload */
 
 /* Wait for the next request, or send. */
@@ -193,15 +229,41 @@ static void enter_step(struct dg_co_node *node, enum step step)
 }
 
 /* A copy, with zeros behind it: whole segments are sent. */
-static void fetch_long(const struct dg_co_node *node)
+static void fetch_stored(const struct dg_co_node *node)
 {
     struct transfer *t = transfer_of(node);
     const uint8_t *bytes;
 
     t->length = read_long(node, long_of(node), &bytes);
-    t->done = 0;
     memcpy(t->bytes, bytes, t->length);
     memset(&t->bytes[t->length], 0, SDO_SEGMENT);
+}
+
+/* Of this moment. */
+static enum dg_co_abort fetch_bound(struct dg_co_node *node)
+{
+    struct transfer *t = transfer_of(node);
+    uint32_t words[2] = {0};
+
+    if (node->setup.device->sample != NULL) {
+        node->setup.device->sample(node);
+    }
+    const enum dg_co_abort abort = read_words(node, long_of(node), words);
+    t->length = sizeof words;
+    memset(t->bytes, 0, sizeof words + SDO_SEGMENT);
+    dg_store_le32(t->bytes, words[0]);
+    dg_store_le32(&t->bytes[4], words[1]);
+    return abort;
+}
+
+static enum dg_co_abort fetch_long(struct dg_co_node *node)
+{
+    transfer_of(node)->done = 0;
+    if (long_of(node)->bound.row != NULL) {
+        return fetch_bound(node);
+    }
+    fetch_stored(node);
+    return DG_CO_OK;
 }
 
 static enum dg_co_abort offer_blocks(struct dg_co_node *node, const uint8_t *data)
@@ -220,7 +282,10 @@ static enum dg_co_abort begin_upload(struct dg_co_node *node, const uint8_t *dat
     if ((long_of(node)->access & DG_CO_R) == 0) {
         return DG_CO_WRITE_ONLY;
     }
-    fetch_long(node);
+    const enum dg_co_abort abort = fetch_long(node);
+    if (abort != DG_CO_OK) {
+        return abort;
+    }
     node->sdo.toggle = 0;
     if ((data[0] & BLOCK) != 0 && (data[5] == 0 || t->length > data[5])) {
         return offer_blocks(node, data);
@@ -367,7 +432,13 @@ static enum dg_co_abort write_long(struct dg_co_node *node)
         return DG_CO_RANGE;
     }
     dg_co_sdo_become(node, DG_CO_SDO_IDLE);
-    store_long(node, long_of(node), t->bytes, t->length);
+    const struct dg_co_long *self = long_of(node);
+    if (self->bound.row != NULL) {
+        uint32_t words[2] = {dg_load_le32(t->bytes), dg_load_le32(&t->bytes[4])};
+        node->others = 0;
+        return co_hook(&self->bound)(node, &self->bound, DG_CO_WRITE, words);
+    }
+    store_long(node, self, t->bytes, t->length);
     return DG_CO_OK;
 }
 

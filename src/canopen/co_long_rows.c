@@ -189,6 +189,55 @@ static void make_number(struct eds_maker *self, const struct eds_entry *entry,
 
 /* ------------------------------------------------------------ rows */
 
+/* It behaves as an object of 64 bits of the base. */
+static void bind_long(struct eds_maker *self, const struct eds_entry *entry, struct dg_co_long *to)
+{
+    struct dg_co_object base;
+
+    if (!dg_co_find_base(self, entry, &base) || co_type(&base) == DG_CO_STRING) {
+        return;
+    }
+    if (co_type(&base) != DG_CO_WIDE || to->kind == DG_CO_LONG_BYTES || to->most != 8u) {
+        dg_co_note_lack(&self->in, entry, "DataType",
+                        "has not the type that it behaves with: a value only", NULL);
+        return;
+    }
+    if ((to->access & DG_CO_W) != 0 && !co_is(&base, DG_CO_W)) {
+        dg_co_note_lack(&self->in, entry, "AccessType", "the encoder itself sets it: read only",
+                        NULL);
+        to->access = DG_CO_R;
+    }
+    to->bound = base;
+    self->to->plain--;
+    self->to->bound++;
+}
+
+/* Whether a TPDO has the low half of it as delivered, as some encoders have 6008h. */
+static bool is_halved(const struct eds_maker *self, uint32_t key)
+{
+    bool found = false;
+
+    for (size_t i = 0; i < self->in.count; i++) {
+        const struct eds_entry *entry = &self->in.entries[i];
+        found = found || ((entry->key & 0xFE000000u) == DG_CO_KEY(0x1A00, 0) &&
+                          dg_co_take_number(entry->initial).value == (key | 32u));
+    }
+    return found;
+}
+
+/* For TPDOs, which have all of it or half. */
+static void make_mapped(struct eds_maker *self, const struct dg_co_long *from,
+                        struct dg_co_row *row)
+{
+    const uint32_t type = is_halved(self, from->key) ? DG_CO_U32 : DG_CO_WIDE;
+
+    row->hook = dg_co_keep_hook(self, dg_co_hook_wide);
+    row->flags = (uint16_t)(type << 12 | DG_CO_R | DG_CO_MAP);
+    if (from->bound.row != NULL) {
+        row->flags |= from->bound.row->flags & DG_CO_EVENT;
+    }
+}
+
 void dg_co_make_long(struct eds_maker *self, struct eds_entry *entry, struct dg_co_row *row)
 {
     struct dg_co_long *to = &self->longs[self->to->long_count];
@@ -202,4 +251,8 @@ void dg_co_make_long(struct eds_maker *self, struct eds_entry *entry, struct dg_
     row->flags = (uint16_t)(DG_CO_STRING << 12);
     row->initial = self->to->long_count++;
     self->to->plain++;
+    bind_long(self, entry, to);
+    if (entry->map && to->least == 8u && (to->access & DG_CO_R) != 0) {
+        make_mapped(self, to, row);
+    }
 }

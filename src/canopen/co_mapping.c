@@ -55,7 +55,7 @@ static enum dg_co_abort resolve(struct dg_co_node *self, uint8_t n, uint32_t cou
     tpdo->length = 0;
     tpdo->event_bytes = 0;
     memset(tpdo->last, 0, sizeof tpdo->last); /* zeros behind the data */
-    for (uint8_t i = 0; abort == DG_CO_OK && i < count; i++) {
+    for (uint8_t i = 0; abort == DG_CO_OK && tpdo->length <= 8u && i < count; i++) {
         uint32_t entry = self->value[CO_TPDO(n, CO_PDO_ENTRIES) + i];
         struct dg_co_object object;
         if (entry == 0) {

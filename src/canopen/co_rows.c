@@ -110,8 +110,7 @@ static uint8_t keep_limits(struct eds_maker *self, const struct eds_entry *entry
     return n;
 }
 
-/* @return the number of a hook in the table; 0: NULL. Devices have fewer than the table. */
-static uint8_t keep_hook(struct eds_maker *self, dg_co_hook *hook)
+uint8_t dg_co_keep_hook(struct eds_maker *self, dg_co_hook *hook)
 {
     uint8_t n = 0;
 
@@ -154,10 +153,8 @@ static void make_string(struct eds_maker *self, const struct eds_entry *entry,
 
 /* ------------------------------------------------------------ rows */
 
-/* What the base has there. A memory has one object for each of its parts: all of them are what the
- * first one is. */
-static bool find_base(const struct eds_maker *self, const struct eds_entry *entry,
-                      struct dg_co_object *object)
+bool dg_co_find_base(const struct eds_maker *self, const struct eds_entry *entry,
+                     struct dg_co_object *object)
 {
     const uint32_t index = entry->key >> 16;
     const bool memory = (index == 0x1010 || index == 0x1011) && (entry->key & 0xFF00u) != 0;
@@ -240,7 +237,7 @@ static void bind_row(struct eds_maker *self, const struct eds_entry *entry,
     row->slot = base->slot;
     row->initial = bound_default(self, entry, &object, base, &follows);
     row->flags |= flags_of(self, entry, base) | (follows ? DG_CO_ID : 0u);
-    row->hook = keep_hook(self, hook == dg_co_hook_store ? dg_co_hook_keep : hook);
+    row->hook = dg_co_keep_hook(self, hook == dg_co_hook_store ? dg_co_hook_keep : hook);
     /* The stack's hooks know what fits, and may set what a file's limits would not have. */
     if ((row->flags & DG_CO_W) != 0 && (hook == NULL || entry->key >= DG_CO_KEY(0x2000, 0))) {
         const struct dg_co_limits all = base_limits(&object, base);
@@ -265,11 +262,11 @@ static void make_plain(struct eds_maker *self, const struct eds_entry *entry, st
     if ((entry->access & DG_CO_W) == 0) {
         row->flags |= follows ? 0u : DG_CO_CONST;
         row->initial = initial;
-        row->hook = follows ? keep_hook(self, dg_co_hook_follows) : 0;
+        row->hook = follows ? dg_co_keep_hook(self, dg_co_hook_follows) : 0;
         return;
     }
     row->initial = self->to->cell_count;
-    row->hook = keep_hook(self, dg_co_hook_cell);
+    row->hook = dg_co_keep_hook(self, dg_co_hook_cell);
     self->cells[self->to->cell_count++] = (struct dg_co_cell){
         .key = entry->key,
         .initial = initial,
@@ -297,6 +294,9 @@ static void note_plain(struct eds_maker *self, const struct eds_entry *entry, bo
  * and 32 bits may count from below 0 or not. */
 static bool is_alike(const struct dg_co_object *base, const struct dg_co_object *object)
 {
+    if (co_type(base) == DG_CO_WIDE) {
+        return false;
+    }
     return !co_is(base, DG_CO_SLOT) || co_type(base) == co_type(object) ||
            (co_size(base) == 4u && co_size(object) == 4u);
 }
@@ -342,7 +342,7 @@ static bool make_row(struct eds_maker *self, struct eds_entry *entry, struct dg_
         return true;
     }
     row->flags = (uint16_t)((uint32_t)type << 12);
-    const bool known = find_base(self, entry, &base);
+    const bool known = dg_co_find_base(self, entry, &base);
     const struct dg_co_object object = object_of(row);
     if (known && is_lent(&base)) {
         make_plain(self, entry, row, lent_default(self, &object, &base));

@@ -187,6 +187,35 @@ static enum dg_co_abort hook_timer(struct dg_co_node *node, const struct dg_co_o
     return DG_CO_OK;
 }
 
+/* 6008h: 6004h in 64 bits. */
+static enum dg_co_abort hook_wide_position(struct dg_co_node *node,
+                                           const struct dg_co_object *object, enum dg_co_op op,
+                                           uint32_t *value)
+{
+    (void)object;
+    (void)op;
+    value[0] = node->value[SLOT_POSITION];
+    value[1] = 0;
+    return DG_CO_OK;
+}
+
+/* 6009h is 6003h in 64 bits. */
+static enum dg_co_abort hook_wide_preset(struct dg_co_node *node, const struct dg_co_object *object,
+                                         enum dg_co_op op, uint32_t *value)
+{
+    if (op != DG_CO_WRITE) {
+        value[0] = node->value[SLOT_PRESET];
+        value[1] = 0;
+        return DG_CO_OK;
+    }
+    const enum dg_co_abort abort =
+        value[1] == 0 ? hook_preset(node, object, op, value) : DG_CO_RANGE;
+    if (abort == DG_CO_OK) {
+        node->value[SLOT_PRESET] = value[0];
+    }
+    return abort;
+}
+
 static DG_CO_TELL(hook_status, node->value[SLOT_WRITTEN]) static DG_CO_TELL(hook_serial,
                                                                             node->serial)
 
@@ -206,6 +235,8 @@ static DG_CO_TELL(hook_status, node->value[SLOT_WRITTEN]) static DG_CO_TELL(hook
 #define HOOKS(HOOK)                                                                                \
     HOOK(hook_scaling)                                                                             \
     HOOK(hook_preset)                                                                              \
+    HOOK(hook_wide_position)                                                                       \
+    HOOK(hook_wide_preset)                                                                         \
     HOOK(hook_speed)                                                                               \
     HOOK(hook_window)                                                                              \
     HOOK(dg_cia406_hook_acceleration)                                                              \
@@ -245,6 +276,8 @@ static const struct dg_co_row rows[] = {
     OBJECT(0x6002, 0, 0, U32, R|W|S|V,   SLOT_TMR, 0, hook_scaling),
     OBJECT(0x6003, 0, 0, U32, R|W|S|V,   SLOT_PRESET, 0, hook_preset),
     OBJECT(0x6004, 0, 0, U32, R|E|V,     SLOT_POSITION, 0, NULL),
+    OBJECT(0x6008, 0, 0, WIDE, R|E,      0, 0, hook_wide_position),
+    OBJECT(0x6009, 0, 0, WIDE, R|W,      0, 0, hook_wide_preset),
     OBJECT(0x6030, 1, 0, I16, R,         0, 0, hook_speed),
     OBJECT(0x6031, 1, 0, U16, R|W|S|V,   SLOT_SPEED_SOURCE, 2, NULL),
     OBJECT(0x6031, 2, 0, U16, R|W|S|V,   SLOT_WINDOW, 100, hook_window),

@@ -31,7 +31,7 @@ static uint32_t constant_of(const struct dg_co_file *file, uint32_t key)
 
     for (uint16_t i = 0; i < dictionary->count; i++) {
         const struct dg_co_row *row = &dictionary->rows[i];
-        if ((row->key & 0xFFFFFF00u) == key && row->flags >> 12 != DG_CO_STRING) {
+        if ((row->key & 0xFFFFFF00u) == key && row->flags >> 12 != DG_CO_STRING && row->hook == 0) {
             return (row->flags & DG_CO_W) == 0 ? row->initial : 0;
         }
     }
