@@ -31,14 +31,14 @@ static void build(struct dg_co_node *self, const struct dg_co_tpdo *tpdo, uint8_
 {
     for (uint8_t i = 0; i < tpdo->mapped_count; i++) {
         const struct dg_co_object object = co_numbered(self->setup.device, tpdo->mapped[i]);
-        const uint32_t size = co_size(&object);
+        uint8_t *end = data + co_size(&object);
         uint32_t words[2];
         (void)co_read(self, &object, words);
-        dg_store_le32(data, co_cut(&object, words[0]));
-        if (size > 4u) {
-            dg_store_le32(&data[4], words[1]);
+        for (const uint32_t *word = words; data < end; word++) {
+            dg_store_le32(data, co_cut(&object, *word));
+            data += 4;
         }
-        data += size;
+        data = end;
     }
 }
 
