@@ -57,6 +57,9 @@ struct eds_info {
     uint32_t vendor_id;
     uint32_t product_code;
     uint32_t revision;
+    uint32_t compact_pdo; /**< bit n: PDOs have sub-index n + 1, without sections for them */
+    uint32_t rpdos;       /**< so many then */
+    uint32_t tpdos;
     uint16_t rates;  /**< bit n: the n-th of dg_co_eds_kbaud is supported */
     uint16_t kbaud;  /**< of a DCF; 0: none */
     uint8_t node_id; /**< likewise */
@@ -106,6 +109,8 @@ void dg_co_note_lack(struct eds_reader *self, const struct eds_entry *entry, con
 /** What is wrong with the text; line 0: with all of it. @return DG_ERR_ARGUMENT */
 int dg_co_refuse_text(struct eds_reader *self, unsigned line, const char *what, const char *right);
 
+/** Add entries of what has no sections (co_compact.c). */
+void dg_co_expand_entries(struct eds_reader *self);
 /** Whether a text is `word`, case aside. */
 bool dg_co_is_word(struct eds_span text, const char *word);
 /** A text as a number; comments behind it are left out. */

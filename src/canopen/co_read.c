@@ -476,17 +476,24 @@ static void take_rate(const struct line *line, struct eds_info *info)
 static void take_info(const struct line *line)
 {
     struct eds_info *info = &line->in->info;
+    const struct {
+        const char *word;
+        uint32_t *to;
+    } numbers[] = {
+        {"VendorNumber", &info->vendor_id},  {"ProductNumber", &info->product_code},
+        {"RevisionNumber", &info->revision}, {"CompactPDO", &info->compact_pdo},
+        {"NrOfRXPDO", &info->rpdos},         {"NrOfTXPDO", &info->tpdos},
+    };
 
+    for (size_t i = 0; i < DG_COUNT(numbers); i++) {
+        if (dg_co_is_word(line->key, numbers[i].word)) {
+            take_number(line, UINT32_MAX, numbers[i].to);
+        }
+    }
     if (dg_co_is_word(line->key, "ProductName")) {
         info->product = line->value;
     } else if (dg_co_is_word(line->key, "VendorName")) {
         info->vendor = line->value;
-    } else if (dg_co_is_word(line->key, "VendorNumber")) {
-        take_number(line, UINT32_MAX, &info->vendor_id);
-    } else if (dg_co_is_word(line->key, "ProductNumber")) {
-        take_number(line, UINT32_MAX, &info->product_code);
-    } else if (dg_co_is_word(line->key, "RevisionNumber")) {
-        take_number(line, UINT32_MAX, &info->revision);
     } else if (begins(line->key, "BaudRate_") > 0) {
         take_rate(line, info);
     }
@@ -604,39 +611,6 @@ static void sort_entries(struct eds_entry *list, size_t count)
     }
 }
 
-/* CompactSubObj=N: sub-index 0, and N of the object's type. */
-static void expand_object(struct eds_reader *self, struct eds_entry object)
-{
-    for (uint32_t sub = 0; sub <= object.compact; sub++) {
-        struct eds_entry *entry =
-            dg_co_add_entry(self, object.key | sub << 8, EDS_COMPACT, object.line);
-        if (entry == NULL) {
-            return;
-        }
-        entry->type = sub == 0 ? DG_CO_U8 : object.type;
-        entry->access = sub == 0 ? DG_CO_R | DG_CO_CONST : object.access;
-        entry->compact = sub == 0 ? object.compact : 0;
-        entry->map = sub != 0 && object.map;
-        if (sub != 0) {
-            entry->initial = object.initial;
-            entry->low = object.low;
-            entry->high = object.high;
-        }
-    }
-}
-
-static void expand_all(struct eds_reader *self)
-{
-    const size_t count = self->count;
-
-    for (size_t i = 0; i < count && !self->out; i++) {
-        const struct eds_entry *entry = &self->entries[self->count - count + i];
-        if (entry->rank == EDS_OBJECT && entry->compact != 0) {
-            expand_object(self, *entry);
-        }
-    }
-}
-
 static int check_size(struct eds_reader *self, unsigned line)
 {
     if (self->objects > DG_EDS_OBJECTS_MAX || self->count > DG_EDS_ROWS_MAX) {
@@ -661,7 +635,7 @@ int dg_co_scan_text(struct eds_reader *self)
         read_line(&line, (struct eds_span){rest.at, n});
         rest = behind(rest, n < rest.n ? n + 1u : n);
     }
-    expand_all(self);
+    dg_co_expand_entries(self);
     const int result = check_size(self, line.number);
     if (result != DG_OK) {
         return result;
