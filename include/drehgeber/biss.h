@@ -164,6 +164,8 @@ struct dg_biss_model {
     uint8_t device_id[6];    /**< 78h..7Dh; MT, ST and timeout in it are filled in by the device */
     const struct dg_biss_form *form; /**< frames of another form; NULL: position, nERR, nWARN, LC if
                                           there is one, ~CRC6 */
+    const struct dg_store_layout *layout; /**< of the EEPROM: its first regions are those of
+                                               dg_biss_layout; NULL: that one. See model.h */
     dg_ns busy;         /**< from e1 to the earliest start bit, 0..DG_BISS_BUSY_S_MAX_NS */
     dg_ns busy_jitter;  /**< up to as much more in every frame, see dg_biss.noise; with busy at
                              most DG_BISS_BUSY_S_MAX_NS */

@@ -42,6 +42,7 @@
 #include "drehgeber/shaft.h"
 #include "drehgeber/slcan.h"
 #include "drehgeber/stack.h"
+#include "drehgeber/stamp.h"
 #include "drehgeber/store.h"
 #include "drehgeber/tap.h"
 #include "drehgeber/text.h"

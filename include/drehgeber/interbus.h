@@ -114,6 +114,8 @@ struct dg_ib_model {
     uint32_t serial;         /**< 20210000h, 25 bits */
     uint32_t version;        /**< 20210007h, 25 bits */
     dg_ns self_test;         /**< after power-on, 0..1 s */
+    const struct dg_store_layout *layout; /**< of a K3's EEPROM: its first regions are those of
+                                               dg_ib_layout; NULL: that one. See model.h */
 };
 
 /** What a device is made of. Everything pointed to must outlive the device. */

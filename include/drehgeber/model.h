@@ -20,6 +20,8 @@
 extern "C" {
 #endif
 
+struct dg_model_memory; /* stamp.h */
+
 /** What a text can say of a model. */
 struct dg_model_text {
     const struct dg_stack *stack;
@@ -40,6 +42,8 @@ struct dg_model_text {
     /** All figures of `model` are set, each in its range: put them into force, if they fit each
      * other. @return NULL, or what would be right, in words */
     const char *(*settle)(void *model);
+    const struct dg_model_memory *memory; /**< what the EEPROM of a model goes by; NULL: none has
+                                               one */
 };
 
 /** The figure called `name`; NULL: there is none, or it is one of a single encoder. */

@@ -10,7 +10,7 @@
 #define ID_MAX 7u
 
 static const struct dg_stack_range ranges[] = {
-    DG_STACK_RANGE(dg_biss, store.region_count, 0, DG_BISS_REGION_COUNT),
+    DG_STACK_RANGE(dg_biss, store.region_count, 0, DG_STORE_REGIONS_MAX),
     DG_STACK_BOOL(dg_biss, store.unapplied),
     DG_STACK_RANGE(dg_biss, line.state, 0, DG_BISS_RETURN),
     DG_STACK_RANGE(dg_biss, line.length, 0, WORD_BITS - 1u),
@@ -51,6 +51,7 @@ static bool fits(const void *own, const void *settings, const void *device)
     memcpy(&self, device, sizeof self);
     model.form = mine->form; /* which form frames have is not in the state */
     return knows_registers_alike(mine, settings) && dg_biss_model_ok(&model) &&
+           self.store.region_count <= dg_biss_layout_of(mine)->region_count &&
            (self.control.id <= ID_MAX || self.control.id == DG_BISS_NO_ID);
 }
 

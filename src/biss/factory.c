@@ -83,11 +83,11 @@ bool dg_biss_eeprom(const struct dg_biss *self)
     return self->mounted && self->setup.world->eeprom_acknowledges;
 }
 
-int dg_biss_mount(struct dg_store *self, struct dg_nvm nvm)
+int dg_biss_mount(struct dg_store *self, const struct dg_biss_model *model, struct dg_nvm nvm)
 {
-    int result = dg_store_mount(self, &dg_biss_layout, nvm);
+    int result = dg_store_mount(self, dg_biss_layout_of(model), nvm);
 
-    return result == DG_ERR_OLDER ? dg_store_grow(self, NULL) : result;
+    return result == DG_ERR_OLDER ? dg_store_grow(self, model) : result;
 }
 
 /* @return dg_store_mount()'s */
@@ -96,7 +96,7 @@ static int load(struct dg_biss *self)
     int result = DG_ERR_IO;
 
     if (self->setup.world->eeprom_acknowledges) {
-        result = dg_biss_mount(&self->store, self->setup.nvm);
+        result = dg_biss_mount(&self->store, self->setup.model, self->setup.nvm);
     }
     self->mounted = result == DG_OK;
     if (!self->mounted) {

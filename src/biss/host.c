@@ -121,13 +121,14 @@ static int frame(struct dg_host_line *line, struct dg_host_frame *to)
     return DG_HOST_OK;
 }
 
-/* Which form frames have is the model's to say, and in no state. */
+/* Which form frames and the EEPROM have is the model's to say, and in no state. */
 static void arrange(void *settings, struct dg_stack_setup *setup)
 {
     struct dg_biss_model *self = settings;
     const struct dg_biss_model *delivered = setup == NULL ? NULL : setup->model;
 
     self->form = delivered == NULL ? NULL : delivered->form;
+    self->layout = delivered == NULL ? NULL : delivered->layout;
 }
 
 const struct dg_host_wire dg_biss_wire = {

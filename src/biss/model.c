@@ -7,6 +7,7 @@
 
 #include "biss_private.h"
 #include "drehgeber/model.h"
+#include "drehgeber/stamp.h"
 
 /* Degree 1 to 16. */
 #define CRC_POLY_MIN 3u
@@ -86,6 +87,29 @@ static const char *settle_model(void *model)
     return right;
 }
 
+/* ---------------------------------------------------------------- EEPROM */
+
+/* Offsets are stored in bits of the position. Whatever its width is, they are as they were: that of
+ * a turn is left-aligned. */
+static const char *const stored_by[] = {"mt", "st", NULL};
+
+/* clang-format off */
+static const struct dg_model_kept kept[] = {
+    {DG_BISS_REGION_CONFIG, DG_BISS_REGION_CONFIG,    "offsets and masks", NULL},
+    {DG_BISS_REGION_USER,   DG_BISS_REGION_COUNT - 1, "user banks",        NULL},
+};
+/* clang-format on */
+
+DG_MODEL_STAMP_DEFAULTS(defaults, dg_biss_model);
+
+static const struct dg_model_memory memory = {
+    .layout_at = offsetof(struct dg_biss_model, layout),
+    .figures = stored_by,
+    .kept = kept,
+    .kept_count = DG_COUNT(kept),
+    .defaults = defaults,
+};
+
 const struct dg_model_text dg_biss_model_text = {
     .stack = &dg_biss_stack,
     .keys = &dg_biss_keys,
@@ -96,4 +120,5 @@ const struct dg_model_text dg_biss_model_text = {
     .drop = drop,
     .copy = copy,
     .settle = settle_model,
+    .memory = &memory,
 };

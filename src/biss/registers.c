@@ -141,7 +141,7 @@ static int check_eeprom(struct dg_biss *self, dg_ns now)
     }
     eeprom_works(self, now);
     self->checked_at = self->control.ready;
-    const int result = dg_biss_mount(&self->store, self->setup.nvm);
+    const int result = dg_biss_mount(&self->store, self->setup.model, self->setup.nvm);
     self->mounted = result == DG_OK;
     return result;
 }

@@ -11,8 +11,7 @@ static struct dg_biss_setup own(const struct dg_stack_setup *setup)
 
 static const struct dg_store_layout *layout(const void *model)
 {
-    (void)model;
-    return &dg_biss_layout;
+    return dg_biss_layout_of(model);
 }
 
 static bool senses_multiturn(const void *model)
@@ -24,12 +23,12 @@ static bool senses_multiturn(const void *model)
 
 static int format(const struct dg_stack_setup *setup)
 {
-    return dg_biss_format(setup->nvm);
+    return dg_store_format(layout(setup->model), setup->nvm, setup->model);
 }
 
 static int mount(const struct dg_stack_setup *setup, struct dg_store *store)
 {
-    return dg_biss_mount(store, setup->nvm);
+    return dg_biss_mount(store, setup->model, setup->nvm);
 }
 
 DG_STACK_FORWARD(dg_biss);
@@ -39,7 +38,7 @@ static void attach(void *self, const struct dg_stack_setup *setup)
     struct dg_biss *device = self;
 
     device->setup = setup != NULL ? own(setup) : (struct dg_biss_setup){0};
-    device->store.layout = setup != NULL ? &dg_biss_layout : NULL;
+    device->store.layout = setup != NULL ? layout(setup->model) : NULL;
     device->store.nvm = device->setup.nvm;
 }
 

@@ -7,7 +7,7 @@
 #include "hiperface_private.h"
 
 static const struct dg_stack_range ranges[] = {
-    DG_STACK_RANGE(dg_hf, store.region_count, 0, DG_HF_REGION_COUNT),
+    DG_STACK_RANGE(dg_hf, store.region_count, 0, DG_STORE_REGIONS_MAX),
     DG_STACK_BOOL(dg_hf, store.unapplied),
     DG_STACK_RANGE(dg_hf, line, 0, DG_HF_REPLY),
     DG_STACK_BOOL(dg_hf, frame_damaged),
@@ -47,13 +47,14 @@ static bool line_fits(const struct dg_hf *device)
 
 static bool fits(const void *own, const void *settings, const void *device)
 {
+    const struct dg_hf_settings *delivered = own;
     struct dg_hf_settings mine;
     struct dg_hf self;
 
-    (void)own;
     memcpy(&mine, settings, sizeof mine);
     memcpy(&self, device, sizeof self);
-    return dg_hf_model_check(&mine.model) == DG_OK && position_fits(&self) && line_fits(&self);
+    return self.store.region_count <= dg_hf_layout_of(&delivered->model)->region_count &&
+           dg_hf_model_check(&mine.model) == DG_OK && position_fits(&self) && line_fits(&self);
 }
 
 const struct dg_stack_check dg_hf_check = {ranges, DG_COUNT(ranges), fits};

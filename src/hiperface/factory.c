@@ -210,12 +210,12 @@ int dg_hf_format(const struct dg_hf_model *model, struct dg_nvm nvm)
 {
     int result = dg_hf_model_check(model);
 
-    return result == DG_OK ? dg_store_format(&dg_hf_layout, nvm, model) : result;
+    return result == DG_OK ? dg_store_format(dg_hf_layout_of(model), nvm, model) : result;
 }
 
 int dg_hf_mount(struct dg_store *self, const struct dg_hf_model *model, struct dg_nvm nvm)
 {
-    int result = dg_store_mount(self, &dg_hf_layout, nvm);
+    int result = dg_store_mount(self, dg_hf_layout_of(model), nvm);
 
     return result == DG_ERR_OLDER ? dg_store_grow(self, model) : result;
 }

@@ -87,7 +87,13 @@ enum dg_hf_status dg_hf_get(struct dg_hf *self, enum dg_hf_region region, void *
 enum dg_hf_status dg_hf_put(struct dg_hf *self, enum dg_hf_region region, const void *from);
 
 /** factory.c */
-/** Mount the EEPROM, grown when it is of an earlier release. @return as dg_store_mount() */
+/** The EEPROM of `model`. */
+static inline const struct dg_store_layout *dg_hf_layout_of(const struct dg_hf_model *model)
+{
+    return model->layout != NULL ? model->layout : &dg_hf_layout;
+}
+
+/** Mount it, grown when it is of an earlier release. @return as dg_store_mount() */
 int dg_hf_mount(struct dg_store *self, const struct dg_hf_model *model, struct dg_nvm nvm);
 /** As dg_stack.differs. */
 const char *dg_hf_differs(const struct dg_hf_model *model, struct dg_store *store);

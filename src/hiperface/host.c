@@ -43,10 +43,13 @@ static void send(void *ctx, const uint8_t *bytes, size_t n)
 
 static const struct dg_hf_ops ops = {.tx = send};
 
+/* Which form the EEPROM has is the model's to say, and in no state. */
 static void arrange(void *settings, struct dg_stack_setup *setup)
 {
     struct dg_hf_settings *self = settings;
+    const struct dg_hf_model *delivered = setup == NULL ? NULL : setup->model;
 
+    self->model.layout = delivered == NULL ? NULL : delivered->layout;
     if (setup != NULL) {
         setup->address = self->address;
         setup->port = &ops;

@@ -15,8 +15,7 @@ static struct dg_hf_setup own(const struct dg_stack_setup *setup)
 
 static const struct dg_store_layout *layout(const void *model)
 {
-    (void)model;
-    return &dg_hf_layout;
+    return dg_hf_layout_of(model);
 }
 
 static bool senses_multiturn(const void *model)
@@ -61,7 +60,7 @@ static void attach(void *self, const struct dg_stack_setup *setup)
     struct dg_hf *device = self;
 
     device->setup = setup != NULL ? own(setup) : (struct dg_hf_setup){0};
-    device->store.layout = setup != NULL ? &dg_hf_layout : NULL;
+    device->store.layout = setup != NULL ? layout(setup->model) : NULL;
     device->store.nvm = device->setup.nvm;
 }
 

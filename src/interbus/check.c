@@ -7,7 +7,7 @@
 #include "interbus_private.h"
 
 static const struct dg_stack_range ranges[] = {
-    DG_STACK_RANGE(dg_ib, store.region_count, 0, DG_IB_REGION_COUNT),
+    DG_STACK_RANGE(dg_ib, store.region_count, 0, DG_STORE_REGIONS_MAX),
     DG_STACK_BOOL(dg_ib, store.unapplied),
     DG_STACK_BOOL(dg_ib, powered),
     DG_STACK_BOOL(dg_ib, mounted),
@@ -40,7 +40,8 @@ static bool fits(const void *own, const void *settings, const void *device)
         return false;
     }
     return model.profile == DG_IB_K3
-               ? !self.powered || dg_ib_fits(&model, self.steps, self.revolutions)
+               ? self.store.region_count <= dg_ib_layout_of(mine)->region_count &&
+                     (!self.powered || dg_ib_fits(&model, self.steps, self.revolutions))
                : !self.mounted;
 }
 

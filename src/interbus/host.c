@@ -45,12 +45,22 @@ static bool take(struct dg_host_line *line, const struct dg_host_event *event)
     return true;
 }
 
+/* Which form the EEPROM has is the model's to say, and in no state. */
+static void arrange(void *settings, struct dg_stack_setup *setup)
+{
+    struct dg_ib_model *self = settings;
+    const struct dg_ib_model *delivered = setup == NULL ? NULL : setup->model;
+
+    self->layout = delivered == NULL ? NULL : delivered->layout;
+}
+
 const struct dg_host_wire dg_ib_wire = {
     .stack = &dg_ib_stack,
     .keys = &dg_ib_keys,
     .blind = DG_IB_BLIND,
     .settings_size = sizeof(struct dg_ib_model),
     .without = without,
+    .arrange = arrange,
     .check = check,
     .take = take,
     .state = &dg_ib_check,

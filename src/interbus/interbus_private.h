@@ -87,7 +87,9 @@ uint32_t dg_ib_item(const struct dg_ib *self);
 
 /** memory.c */
 int dg_ib_model_check(const struct dg_ib_model *model);
-/** Mount the EEPROM, grown when it is of an earlier release. @return as dg_store_mount() */
+/** The EEPROM of `model`, or NULL: it has none. */
+const struct dg_store_layout *dg_ib_layout_of(const struct dg_ib_model *model);
+/** Mount it, grown when it is of an earlier release. @return as dg_store_mount() */
 int dg_ib_mount(struct dg_store *self, const struct dg_ib_model *model, struct dg_nvm nvm);
 /** Working copy from every region that is in order; the others are lost and have their defaults. */
 void dg_ib_load(struct dg_ib *self);

@@ -114,18 +114,26 @@ int dg_ib_model_check(const struct dg_ib_model *model)
     return DG_OK;
 }
 
+const struct dg_store_layout *dg_ib_layout_of(const struct dg_ib_model *model)
+{
+    if (model->profile != DG_IB_K3) {
+        return NULL;
+    }
+    return model->layout != NULL ? model->layout : &dg_ib_layout;
+}
+
 int dg_ib_format(const struct dg_ib_model *model, struct dg_nvm nvm)
 {
     int result = dg_ib_model_check(model);
 
     return result == DG_OK && model->profile == DG_IB_K3
-               ? dg_store_format(&dg_ib_layout, nvm, model)
+               ? dg_store_format(dg_ib_layout_of(model), nvm, model)
                : result;
 }
 
 int dg_ib_mount(struct dg_store *self, const struct dg_ib_model *model, struct dg_nvm nvm)
 {
-    int result = dg_store_mount(self, &dg_ib_layout, nvm);
+    int result = dg_store_mount(self, dg_ib_layout_of(model), nvm);
 
     return result == DG_ERR_OLDER ? dg_store_grow(self, model) : result;
 }

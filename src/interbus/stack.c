@@ -11,9 +11,7 @@ static struct dg_ib_setup own(const struct dg_stack_setup *setup)
 
 static const struct dg_store_layout *layout(const void *model)
 {
-    const struct dg_ib_model *figures = model;
-
-    return figures->profile == DG_IB_K3 ? &dg_ib_layout : NULL;
+    return dg_ib_layout_of(model);
 }
 
 static bool senses_multiturn(const void *model)
@@ -40,7 +38,7 @@ static void attach(void *self, const struct dg_stack_setup *setup)
     struct dg_ib *device = self;
 
     device->setup = setup != NULL ? own(setup) : (struct dg_ib_setup){0};
-    device->store.layout = setup != NULL && device->mounted ? &dg_ib_layout : NULL;
+    device->store.layout = setup != NULL && device->mounted ? layout(setup->model) : NULL;
     device->store.nvm = device->setup.nvm;
 }
 

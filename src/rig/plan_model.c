@@ -4,6 +4,7 @@
  * memory of the plan, in which the words of the section have become figures.
  */
 #include "drehgeber/model.h"
+#include "drehgeber/stamp.h"
 #include "rig_private.h"
 
 #include <string.h>
@@ -251,6 +252,19 @@ static struct dg_device *make_device(struct rig_reader *in, const struct rig_sec
     return device;
 }
 
+/* What it stores is told from what encoders of other figures have stored. */
+static int stamp_memory(struct rig_reader *in, const struct dg_device *device, void *model)
+{
+    const struct dg_model_text *text = dg_model_text_of(device->stack);
+    struct dg_model_stamp *stamp =
+        text->memory == NULL ? NULL : dg_plan_reserve(in->plan, sizeof *stamp);
+
+    if (stamp != NULL) {
+        dg_model_stamp_make(stamp, text, model);
+    }
+    return text->memory != NULL && stamp == NULL ? -1 : 0;
+}
+
 static int add_model(struct rig_reader *in, const struct dg_plan_model *row)
 {
     struct dg_plan *plan = in->plan;
@@ -281,7 +295,7 @@ int dg_plan_take_model(struct rig_reader *in, const struct rig_section *self)
     struct dg_device *device = base == NULL ? NULL : make_device(in, self, base, &model);
 
     if (device == NULL || take_heirlooms(in, self, base, model) != 0 ||
-        take_figures(in, self, base, model) != 0) {
+        take_figures(in, self, base, model) != 0 || stamp_memory(in, device, model) != 0) {
         return -1;
     }
     return add_model(in, &(struct dg_plan_model){.device = device,

@@ -76,6 +76,7 @@ static size_t figures(const struct dg_device *device, unsigned char *to)
         struct dg_biss_model model;
         memcpy(&model, device->model, sizeof model);
         model.form = NULL;
+        model.layout = NULL; /* of the EEPROM: C has none of its own */
         memcpy(to, &model, sizeof model);
         return sizeof model;
     }
@@ -86,8 +87,11 @@ static size_t figures(const struct dg_device *device, unsigned char *to)
         memcpy(to, &model, sizeof model);
         return sizeof model;
     }
-    const size_t n = device->stack == &dg_hf_stack ? sizeof(struct dg_hf_model) : sizeof(struct dg_ib_model);
+    const bool hf = device->stack == &dg_hf_stack;
+    const size_t n = hf ? sizeof(struct dg_hf_model) : sizeof(struct dg_ib_model);
+    const size_t at = hf ? offsetof(struct dg_hf_model, layout) : offsetof(struct dg_ib_model, layout);
     memcpy(to, device->model, n);
+    memset(to + at, 0, sizeof(void *));
     return n;
 }
 

@@ -231,3 +231,56 @@ def test_nobody_waits_for_a_fifo(folder, tmp_path):
     assert "a.ini: not a regular file; one is right" in ended.stderr
     assert "acme.eds: not a regular file; one is right" in run_refused(1, "check", tmp_path / "acme.eds")
     assert "acme.eds: not a regular file; one is right" in run_refused(2, "run", tmp_path / "acme.eds")
+
+
+# --- EEPROM files -------------------------------------------------------------------------------
+
+LA25 = LA26.replace("26", "25") + "inherit = registers\n"
+
+
+def test_an_image_of_other_figures(tmp_path):
+    """Refused with the figures; what fits goes on in a new file, and the old one stays."""
+    path, old, new = tmp_path / "la.ini", tmp_path / "old.nvm", tmp_path / "new.nvm"
+    live = ("--sim", "--time", "virtual:1MS")
+    path.write_text(LA25)
+    assert run("run", path, *live, "--nvm", old).returncode == 0
+    image = old.read_bytes()
+    assert b"protocol=biss\nmt=0\nst=25\n" in image
+    path.write_text(LA25.replace("25", "26"))
+    assert run_refused(2, "run", path, *live, "--nvm", old) == (
+        f"drehgeber: {old}: of other figures: st: 25, expected 26; --nvm-convert NEW makes one of what fits")
+    assert run("run", path, *live, "--nvm", old, "--nvm-convert", new).returncode == 0
+    assert b"protocol=biss\nmt=0\nst=26\n" in new.read_bytes()
+    assert run("run", path, *live, "--nvm", new).returncode == 0
+    assert old.read_bytes() == image
+    assert f"{new}: File exists" in run_refused(2, "run", path, *live, "--nvm", old, "--nvm-convert", new)
+    path.write_text(LA25.replace("25", "26") + "busy_us = 12\n")
+    assert run("run", path, *live, "--nvm", new).returncode == 0
+
+
+def test_an_image_of_a_model_that_is_built_in(tmp_path):
+    path, old, new = tmp_path / "la.ini", tmp_path / "old.nvm", tmp_path / "new.nvm"
+    live = ("--sim", "--time", "virtual:1MS")
+    path.write_text(LA25)
+    assert run("run", "s3674-biss", *live, "--nvm", old).returncode == 0
+    assert f"{old}: of other figures: those of a built-in model" in run_refused(2, "run", path, *live, "--nvm", old)
+    (tmp_path / "bench.ini").write_text(LA25 + "[encoder a]\nmodel = la25\nwire = sim\nnvm = old.nvm\n")
+    assert "those of a built-in model" in run_refused(2, "run", tmp_path / "bench.ini", *live[1:])
+    assert run("run", path, *live, "--nvm", old, "--nvm-convert", new).returncode == 0
+    assert "an image of this encoder has" in run_refused(1, "run", "s3674-biss", *live, "--nvm", new)
+    old.write_bytes(b"something else")
+    assert "nothing that could be converted; an image of an encoder of the same protocol is right" in run_refused(
+        2, "run", path, *live, "--nvm", old, "--nvm-convert", tmp_path / "x.nvm")
+    assert not (tmp_path / "x.nvm").exists()
+
+
+def test_what_of_an_image_stays_as_delivered(tmp_path):
+    path, old = tmp_path / "sin.ini", tmp_path / "old.nvm"
+    live = ("--time", "virtual:1MS", "--nvm", old)
+    path.write_text("[model sin]\nbase = s3684-rs485\nperiods = 512\n")
+    assert run("run", path, "--pty", *live).returncode == 0
+    path.write_text("[model sin]\nbase = s3684-rs485\nperiods = 1024\nmemory = 20\n")
+    said = run("run", path, "--pty", *live, "--nvm-convert", tmp_path / "new.nvm")
+    assert said.returncode == 0
+    assert [line for line in said.stderr.splitlines() if "as delivered" in line] == [
+        f"drehgeber: {old}: position offset: as delivered", f"drehgeber: {old}: data fields: as delivered"]

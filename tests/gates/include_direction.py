@@ -137,6 +137,7 @@ OWNER = {
     "rig_engine.h": "rig",
     "figure.h":    "core",
     "form.h":      "core",
+    "stamp.h":     "core",
     "bus_characters.h": "bus",
     "bus_edges.h": "bus",
     "bus_frames.h": "bus",

@@ -84,7 +84,7 @@ int hf_rig_init(struct hf_rig *self, const struct dg_hf_model *model)
     dg_world_init(&self->world);
     self->world.angle = shaft_angle;
     self->world.angle_ctx = self;
-    ram_nvm_init(&self->nvm, dg_store_size(&dg_hf_layout));
+    ram_nvm_init(&self->nvm, dg_store_size(dg_hf_stack.layout(model)));
     struct dg_hf_setup setup = hf_rig_setup(self, model);
     int result = dg_hf_format(model, setup.nvm);
 

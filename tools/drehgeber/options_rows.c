@@ -32,7 +32,7 @@ const struct argp_option option_rows[] = {
         .key = KEY_NVM_CONVERT,
         .arg = "NEW",
         .doc =
-            "EDS files: make NEW of what fits of --nvm FILE, which is of another one, and use it",
+            "EDS, .ini: make NEW of what fits of --nvm FILE, which is of another one, and use it",
     },
     {
         .name = "serial",

@@ -12,8 +12,8 @@
 #include <unistd.h>
 
 #include "eds_file.h"
-#include "eds_nvm.h"
 #include "ending.h"
+#include "nvm_convert.h"
 #include "plan.h"
 #include "rig.h"
 #include "silkit.h"
@@ -166,8 +166,8 @@ int run_rig(const struct options *options)
         return complain(&error, EXIT_USAGE);
     }
     if ((options->nvm_convert != NULL &&
-         eds_nvm_convert(&self.plan, options->nvm_convert, &options->say, &error) != 0) ||
-        eds_nvm_check(&self.plan, &error) != 0) {
+         nvm_convert(&self.plan, options->nvm_convert, &options->say, &error) != 0) ||
+        nvm_check(&self.plan, &error) != 0) {
         lx_plan_free(&self.plan);
         return complain(&error, EXIT_USAGE);
     }

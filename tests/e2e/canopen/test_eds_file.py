@@ -185,7 +185,7 @@ def test_an_image_of_another_file(tmp_path, vendor):
 
 
 @pytest.mark.parametrize("words, said", [
-    (("--nvm-convert", "NEW"), "--nvm-convert NEW: 'run FILE.eds --nvm OLD --nvm-convert NEW' is right"),
+    (("--nvm-convert", "NEW"), "--nvm-convert NEW: 'run FILE --nvm OLD --nvm-convert NEW' is right"),
     (("--nvm", "none.nvm", "--nvm-convert", "NEW"), "none.nvm: there is no image"),
     (("--nvm", "vendor.eds", "--nvm-convert", "NEW"),
      "vendor.eds: nothing that could be converted; an image in which the encoder of an EDS file has saved is right"),
