@@ -140,6 +140,8 @@ struct dg_hf_model {
     uint16_t acceleration_max_krad_s2;
     dg_ns reaction; /**< from the request's timeout to the reply; never more than the command's */
     dg_ns init;     /**< 0..DG_HF_INIT_MAX: after power-on and 53h (5.1.2.15, 5.1.2.18) */
+    uint32_t lacks; /**< commands that it answers as unknown ones (0Bh): bit 0 is the one with the
+                         lowest code (42h), bit 1 the next one, of those in commands.def */
     const struct dg_store_layout *layout; /**< of the EEPROM: its first regions are those of
                                                dg_hf_layout; NULL: that one. See model.h */
 };

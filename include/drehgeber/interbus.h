@@ -111,6 +111,7 @@ struct dg_ib_model {
     bool steps_minus_one; /**< K3: one step more than the parameter says; 2021000Ah bit 0 */
     bool temperature_sensor; /**< K3: fitted; without, 2021000Ch answers A421000Ch */
     uint8_t param_cycles;    /**< K3: cycles a command stands before its answer, 1..255 */
+    uint8_t id_code;         /**< class byte of the ID word; 0: that of profile and loop (2.2) */
     uint32_t serial;         /**< 20210000h, 25 bits */
     uint32_t version;        /**< 20210007h, 25 bits */
     dg_ns self_test;         /**< after power-on, 0..1 s */

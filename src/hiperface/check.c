@@ -45,6 +45,12 @@ static bool line_fits(const struct dg_hf *device)
     return again.verdict == device->verdict && again.command == device->command;
 }
 
+/* No key sets it, so the rows of keys do not look at it: it is the model's. */
+static bool knows_commands_alike(const struct dg_hf_model *mine, const struct dg_hf_model *restored)
+{
+    return mine->lacks == restored->lacks;
+}
+
 static bool fits(const void *own, const void *settings, const void *device)
 {
     const struct dg_hf_settings *delivered = own;
@@ -53,7 +59,9 @@ static bool fits(const void *own, const void *settings, const void *device)
 
     memcpy(&mine, settings, sizeof mine);
     memcpy(&self, device, sizeof self);
-    return self.store.region_count <= dg_hf_layout_of(&delivered->model)->region_count &&
+    self.setup.model = &delivered->model; /* a frame is judged by it */
+    return knows_commands_alike(&delivered->model, &mine.model) &&
+           self.store.region_count <= dg_hf_layout_of(&delivered->model)->region_count &&
            dg_hf_model_check(&mine.model) == DG_OK && position_fits(&self) && line_fits(&self);
 }
 

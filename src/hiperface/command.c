@@ -69,11 +69,12 @@ static enum dg_hf_status judge(const struct dg_hf *self, uint8_t *row)
     if (self->length < HF_FRAME_LEAST) {
         return DG_HF_LENGTH;
     }
-    *row = dg_hf_command_find(self->frame[1]);
-    if (*row == dg_hf_command_count) {
+    const uint8_t found = dg_hf_command_find(self->frame[1]);
+    if (found == dg_hf_command_count || (self->setup.model->lacks >> found & 1u) != 0) {
         return DG_HF_COMMAND;
     }
-    if (!length_fits(&dg_hf_commands[*row], &self->frame[2], (uint16_t)(self->length - 3u))) {
+    *row = found;
+    if (!length_fits(&dg_hf_commands[found], &self->frame[2], (uint16_t)(self->length - 3u))) {
         return DG_HF_LENGTH;
     }
     return DG_HF_NO_ERROR;

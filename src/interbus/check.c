@@ -36,7 +36,8 @@ static bool fits(const void *own, const void *settings, const void *device)
 
     memcpy(&model, settings, sizeof model);
     memcpy(&self, device, sizeof self);
-    if (model.profile != mine->profile || dg_ib_model_check(&model) != DG_OK) {
+    if (model.profile != mine->profile || model.id_code != mine->id_code ||
+        dg_ib_model_check(&model) != DG_OK) {
         return false;
     }
     return model.profile == DG_IB_K3

@@ -9,6 +9,7 @@
 #define MESSAGE_MODULE 0x2000u
 /* Class bytes of the Loop have other upper bits, 36h -> B2h, 37h -> B3h (2.2). */
 #define CLASS_LOOP 0x84u
+#define CLASS_MASK 0xFFu
 #define OPC_CLASS 12u
 
 /* Fastest change of the LSB with a valid code word (6.1): 800 kHz, in steps a turn * 0.001 rpm. */
@@ -26,7 +27,12 @@ static const struct {
 
 uint16_t dg_ib_id_word(const struct dg_ib_model *model)
 {
-    return (uint16_t)(profiles[model->profile].id ^ (model->loop ? CLASS_LOOP : 0u));
+    const uint16_t id = profiles[model->profile].id;
+
+    if (model->id_code != 0) {
+        return (uint16_t)((id & ~CLASS_MASK) | model->id_code);
+    }
+    return (uint16_t)(id ^ (model->loop ? CLASS_LOOP : 0u));
 }
 
 uint8_t dg_ib_image_words(const struct dg_ib_model *model)

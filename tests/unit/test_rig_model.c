@@ -228,7 +228,8 @@ static void figures_that_are_none(void **state)
         &bench, "s3684-rs485", "address = 0x41", "no figure of s3684-rs485",
         "right is one of: base inherit title source unmodelled serial reaction_us init_ms periods steps "
         "turns memory implemented type option version date designation "
-        "temperature_min temperature_max led_min_ma led_max_ma speed_max_rpm");
+        "temperature_min temperature_max led_min_ma led_max_ma speed_max_rpm commands "
+        "temperature_channel led_channel vector_channel vector_min vector_max acceleration_max");
     assert_refused(&bench, "ssi-13", "mt = 40", "", "a number in 0..32 is right");
     assert_string_equal(bench.error.key, "mt");
     assert_string_equal(bench.error.value, "40");

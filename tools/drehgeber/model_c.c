@@ -88,6 +88,7 @@ static const struct member hf_members[] = {
     HF(acceleration_max_krad_s2, UNSIGNED),
     HF(reaction, UNSIGNED),
     HF(init, UNSIGNED),
+    HF(lacks, UNSIGNED),
 };
 
 #define IB(field, kind) MEMBER(dg_ib_model, field, kind)
@@ -97,6 +98,7 @@ static const struct member ib_members[] = {
     IB(steps_minus_one, FLAG),  IB(temperature_sensor, FLAG),
     IB(param_cycles, UNSIGNED), IB(serial, UNSIGNED),
     IB(version, UNSIGNED),      IB(self_test, UNSIGNED),
+    IB(id_code, UNSIGNED),
 };
 
 /* A struct that a model has, or that its model points to. */
