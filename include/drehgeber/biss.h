@@ -161,7 +161,10 @@ struct dg_biss_model {
                                   be refused; otherwise that the one just transferred was */
     bool unidirectional;     /**< no registers, no commands: CDS is 0, CDM is not looked at */
     uint32_t serial;         /**< 44h..47h */
-    uint8_t device_id[6];    /**< 78h..7Dh; MT, ST and timeout in it are filled in by the device */
+    uint8_t device_id[8];    /**< 78h..7Fh: device, of which MT, ST and timeout are filled in by the
+                                  device; behind it two bytes of the manufacturer */
+    uint8_t profile_id;      /**< 42h and BP_ID in the EDS */
+    bool no_eds; /**< with registers, but no EDS: banks 3 and 4 are not there, 41h is 0 */
     const struct dg_biss_form *form; /**< frames of another form; NULL: position, nERR, nWARN, LC if
                                           there is one, ~CRC6 */
     const struct dg_store_layout *layout; /**< of the EEPROM: its first regions are those of

@@ -30,6 +30,7 @@ enum biss_access {
     BISS_READ = 1,
     BISS_WRITE = 2,
     BISS_EEPROM = 4, /**< takes its time */
+    BISS_EDS = 8,    /**< of models with an EDS */
 };
 
 /** Reads the register `offset` places behind the first of its row; `now` is the end of the timeout.

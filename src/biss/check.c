@@ -37,8 +37,12 @@ static const struct dg_stack_range ranges[] = {
 /* No key sets it, so the rows of keys do not look at it: it is the model's. */
 static bool knows_registers_alike(const struct dg_biss_model *mine, const void *settings)
 {
-    return memcmp((const uint8_t *)settings + offsetof(struct dg_biss_model, unidirectional),
-                  &mine->unidirectional, sizeof mine->unidirectional) == 0;
+    const uint8_t *bytes = settings;
+
+    return memcmp(bytes + offsetof(struct dg_biss_model, unidirectional), &mine->unidirectional,
+                  sizeof mine->unidirectional) == 0 &&
+           memcmp(bytes + offsetof(struct dg_biss_model, no_eds), &mine->no_eds,
+                  sizeof mine->no_eds) == 0;
 }
 
 static bool fits(const void *own, const void *settings, const void *device)

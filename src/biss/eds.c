@@ -37,7 +37,6 @@ static const uint8_t common[] = {
 static const uint8_t profile[] = {
     [0x00] = 0x01,                       /* BP_VER */
     [0x01] = 0x01,                       /* BP_LEN: banks */
-    [0x02] = 0x62,                       /* BP_ID: profile 3, not for safety applications */
     [0x04] = 0x01,                       /* FB1: error bit */
     [0x05] = 0x02,                       /* FB2: warning bit */
     [0x06] = 0x64,                       /* PON_PDL */
@@ -78,6 +77,7 @@ uint8_t dg_biss_eds_profile(const struct dg_biss_model *model, uint8_t offset)
     const uint8_t fine = st > COARSE_BITS ? (uint8_t)(st - COARSE_BITS) : 0;
 
     memcpy(bank, profile, sizeof profile);
+    bank[0x02] = model->profile_id;
     bank[0x03] = dg_biss_position_bits(model);
     bank[0x0A] = model->multiturn_bits;
     bank[0x0E] = fine;

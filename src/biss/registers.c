@@ -6,7 +6,6 @@
 #include "drehgeber/bits.h"
 
 #define BANK_EDS 3u
-#define PROFILE_ID 0x62u
 #define STATUS_ADDRESS 0x60u
 /* nERR and nWARN of a frame are ERR and WARN inverted, in the same order. */
 #define STATUS_WARN_BIT 5u
@@ -101,9 +100,11 @@ static int write_bank(struct dg_biss *self, dg_ns now, uint8_t offset, uint8_t v
 static int read_profile_id(struct dg_biss *self, dg_ns now, uint8_t offset, uint8_t *value)
 {
     (void)now;
-    uint8_t bytes[7] = {BANK_EDS, PROFILE_ID, dg_biss_position_bits(self->setup.model)};
+    const struct dg_biss_model *model = self->setup.model;
+    uint8_t bytes[7] = {model->no_eds ? 0 : BANK_EDS, model->profile_id,
+                        dg_biss_position_bits(model)};
 
-    dg_store_be32(&bytes[3], self->setup.model->serial);
+    dg_store_be32(&bytes[3], model->serial);
     *value = bytes[offset];
     return DG_OK;
 }
@@ -224,10 +225,9 @@ static int read_temperature(struct dg_biss *self, dg_ns now, uint8_t offset, uin
     return DG_OK;
 }
 
-/* 78h..7Fh: device id with the model's figures in it, manufacturer id. */
+/* 78h..7Fh: device id, with the model's figures in it, and the manufacturer's. */
 static int read_identity(struct dg_biss *self, dg_ns now, uint8_t offset, uint8_t *value)
 {
-    static const uint8_t manufacturer[2] = {0x4B, 0x55};
     const struct dg_biss_model *model = self->setup.model;
     const struct {
         uint8_t mask;
@@ -239,12 +239,8 @@ static int read_identity(struct dg_biss *self, dg_ns now, uint8_t offset, uint8_
     };
 
     (void)now;
-    if (offset >= sizeof model->device_id) {
-        *value = manufacturer[offset - sizeof model->device_id];
-    } else {
-        *value = (uint8_t)((model->device_id[offset] & ~fields[offset].mask) |
-                           (fields[offset].bits & fields[offset].mask));
-    }
+    *value = (uint8_t)((model->device_id[offset] & ~fields[offset].mask) |
+                       (fields[offset].bits & fields[offset].mask));
     return DG_OK;
 }
 
@@ -266,15 +262,15 @@ static int read_revision(struct dg_biss *self, dg_ns now, uint8_t offset, uint8_
     return read_identity(self, now, (uint8_t)(TIMEOUT_OFFSET + 1u + offset), value);
 }
 
-enum { R = BISS_READ, RW = BISS_READ | BISS_WRITE, E = BISS_EEPROM };
+enum { R = BISS_READ, RW = BISS_READ | BISS_WRITE, E = BISS_EEPROM, D = BISS_EDS };
 
 /* clang-format off */
 /* Sorted by address. From 40h on the bank does not matter.
-   R: read, W: write, E: in the EEPROM, takes its time */
+   R: read, W: write, E: in the EEPROM, takes its time, D: EDS */
 const struct biss_register dg_biss_registers[] = {
     /* banks   addresses   access   read              write            chapter */
-    { 3,   3,  0x00, 0x3F, R,       read_common,      NULL          }, /* 5.2.1.3.1 */
-    { 4,   4,  0x00, 0x3F, R,       read_profile,     NULL          }, /* 5.2.1.3.2 */
+    { 3,   3,  0x00, 0x3F, R | D,   read_common,      NULL          }, /* 5.2.1.3.1 */
+    { 4,   4,  0x00, 0x3F, R | D,   read_profile,     NULL          }, /* 5.2.1.3.2 */
     { 7,  31,  0x00, 0x3F, RW | E,  read_user,        write_user    }, /* 5.2.1.3 */
     { 0,   0,  0x1B, 0x23, RW,      read_config,      write_config  }, /* 5.2.2.2, 5.2.3 */
     { 0, 255,  0x40, 0x40, RW,      read_bank,        write_bank    }, /* 5.2.1.3 */
@@ -311,7 +307,8 @@ const struct biss_register *dg_biss_permitted(const struct dg_biss *self, dg_ns 
     const struct biss_register *row = find_register(self->bank, address);
     const uint8_t wanted = write ? BISS_WRITE : BISS_READ;
 
-    if (row == NULL || (row->access & wanted) == 0) {
+    if (row == NULL || (row->access & wanted) == 0 ||
+        ((row->access & BISS_EDS) != 0 && self->setup.model->no_eds)) {
         return NULL;
     }
     if (dg_biss_initialising(self, now) && (write || address != STATUS_ADDRESS)) {

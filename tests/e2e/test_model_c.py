@@ -39,10 +39,19 @@ base = s3684-rs485
 version = v9
 date = 01.02.03
 temperature_min = -7
+commands = 42h,50h,52h
+vector_min = 500
 [model ring]
 base = ocd-ib-k3
 loop = 1
 steps_minus_one = 1
+id_code = 33h
+[model ids]
+base = s3684-biss
+inherit = registers
+device_id = 010203040506
+manufacturer = 524Ch
+profile_id = 43h
 """
 MAIN = r"""
 #include <stdio.h>

@@ -239,6 +239,51 @@ static void registers_that_are_inherited(void **state)
                      DG_HOST_ERR_REFUSED);
 }
 
+static uint8_t read_register(uint8_t address)
+{
+    uint8_t byte = 0;
+    assert_int_equal(dg_host_registers_read(bench.host, &bench.now, address, &byte, 1), 1);
+    return byte;
+}
+
+/* 41h: EDS bank, 42h: profile; 78h to 7Fh: device, manufacturer. The encoder fills in its 12 bits
+ * in 7Ah (0Ch), 26 bits in 7Bh (1Ah), and a timeout of 0 in 7Ch. */
+static void identities(void **state)
+{
+    static const uint8_t expected[8] = {0xA1, 0xB2, 0xEC, 0xFA, 0xE0, 0xF6, 0x52, 0x4C};
+    uint8_t none = 0;
+    (void)state;
+    make_encoder(&bench, "base = s3684-biss\nst = 26\nlc = 0\ninherit = registers\n"
+                         "device_id = A1b2E0E0e0f6\nmanufacturer = 524Ch\nprofile_id = 43h");
+    for (uint8_t i = 0; i < sizeof expected; i++) {
+        assert_int_equal(read_register((uint8_t)(0x78 + i)), expected[i]);
+    }
+    assert_int_equal(read_register(0x41), 0);
+    assert_int_equal(read_register(0x42), 0x43);
+    none = 3;
+    assert_int_equal(dg_host_registers_write(bench.host, &bench.now, 0x40, &none, 1), 1);
+    assert_int_equal(dg_host_registers_read(bench.host, &bench.now, 0x00, &none, 1),
+                     DG_HOST_ERR_REFUSED);
+}
+
+/* The check sum of a bank is the sum of its bytes. */
+static void an_eds_that_is_inherited(void **state)
+{
+    uint8_t bank = 4;
+    uint8_t sum = 0;
+    (void)state;
+    make_encoder(&bench, "base = s3684-biss\ninherit = registers,eds\nprofile_id = 43h");
+    assert_int_equal(read_register(0x41), 3);
+    assert_int_equal(dg_host_registers_write(bench.host, &bench.now, 0x40, &bank, 1), 1);
+    assert_int_equal(read_register(0x02), 0x43);
+    for (uint8_t i = 0; i < 0x3F; i++) {
+        sum = (uint8_t)(sum + read_register(i));
+    }
+    assert_int_equal(read_register(0x3F), sum);
+    assert_int_equal(read_register(0x7E), 0x4B);
+    assert_int_equal(read_register(0x7F), 0x55);
+}
+
 /* A state has no pointers: the form is that of the handle it goes back into. */
 static void states_of_other_forms(void **state)
 {
@@ -274,6 +319,8 @@ int main(void)
         cmocka_unit_test(biss_frames),
         cmocka_unit_test(damaged_frames),
         cmocka_unit_test(registers_that_are_inherited),
+        cmocka_unit_test(identities),
+        cmocka_unit_test(an_eds_that_is_inherited),
         cmocka_unit_test(states_of_other_forms),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -214,8 +214,15 @@ static void what_is_inherited(void **state)
     assert_false(dg_biss_model_of(dg_plan_find_model(&bench.plan, "b"))->unidirectional);
     assert_true(dg_biss_model_of(dg_plan_find_model(&bench.plan, "c"))->unidirectional);
     assert_false(dg_biss_model_of(dg_plan_find_model(&bench.plan, "d"))->unidirectional);
+    read_good(&bench, "[model a]\nbase = s3674-biss\ninherit = registers,eds\n"
+                      "[model b]\nbase = a\ninherit = registers\n"
+                      "[model c]\nbase = b\ninherit = eds,registers\n");
+    assert_false(dg_biss_model_of(dg_plan_find_model(&bench.plan, "a"))->no_eds);
+    assert_true(dg_biss_model_of(dg_plan_find_model(&bench.plan, "b"))->no_eds);
+    assert_false(dg_biss_model_of(dg_plan_find_model(&bench.plan, "c"))->no_eds);
+    assert_false(dg_biss_model_of(dg_plan_find_model(&bench.plan, "c"))->unidirectional);
     assert_refused(&bench, "s3674-biss", "inherit = registers,banks", "registers,banks is none",
-                   "inherit = registers is right");
+                   "inherit = registers,eds is right");
     assert_refused(&bench, "ssi-13", "inherit = registers",
                    "ssi-13 has nothing to inherit but figures", "leave it out");
 }
@@ -268,6 +275,7 @@ static void figures_that_do_not_fit(void **state)
         {"s3684-biss\nframe = P E W C", "right is L in the frame and lc = 1, or neither"},
         {"s3684-biss\nst = 32\nmt = 14\ncrc_poly = 190D9h", FRAME_OF_BISS},
         {"s3684-biss\ncrc_start = 64", START_OF_CRC},
+        {"s3684-biss\ndevice_id = 0400C000000G", "right is device_id of 12 hexadecimal digits"},
         {"s3684-biss\ncrc_poly = 25h\ncrc_start = 20h", START_OF_CRC},
         {"s3684-biss\nbusy_us = 30\nbusy_jitter_us = 30",
          "right is busy_us and busy_jitter_us, together at most 40"},

@@ -39,6 +39,7 @@ static const struct member biss_members[] = {
     BISS(busy_jitter, UNSIGNED),    BISS(eeprom_read, UNSIGNED),
     BISS(eeprom_write, UNSIGNED),   BISS(init, UNSIGNED),
     BISS(timeout, UNSIGNED),        BISS(hint, UNSIGNED),
+    BISS(profile_id, UNSIGNED),     BISS(no_eds, FLAG),
 };
 #define BISS_FORM(field, kind) MEMBER(dg_biss_form, field, kind)
 static const struct member biss_form_members[] = {
