@@ -252,8 +252,7 @@ static int start(struct dg_hdl *self, const char *settings, const char *memory)
         return hdl_fail(self, result, "%s: do not go together", settings);
     }
     if (result != DG_HOST_OK) {
-        return hdl_fail(self, result, "%s%s%s", memory, memory[0] != '\0' ? ": " : "",
-                        dg_host_result_text(result));
+        return hdl_fail_memory(self, result, memory);
     }
     self->inputs = self->wire->idle_in;
     self->in.levels = self->wire->idle_in;

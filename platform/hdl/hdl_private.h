@@ -128,6 +128,9 @@ int hdl_fail(struct dg_hdl *self, int result, const char *format, ...)
 /** model_file.c: if MODEL names a file, read it: self->device is the model. @return 0, or -1 with
  * an error */
 int hdl_read_model(struct dg_hdl *self, const char *model);
+/** model_file.c: leave why power failed with `result`: of the EEPROM in the file `memory`, or ""
+ * without one. @return `result` */
+int hdl_fail_memory(struct dg_hdl *self, int result, const char *memory);
 
 /** A text from outside: NULL is "". */
 static inline const char *hdl_text(const char *text)

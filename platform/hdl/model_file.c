@@ -8,9 +8,12 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "drehgeber/model.h"
 #include "error.h"
+#include "figures.h"
 #include "file.h"
 #include "hdl_private.h"
+#include "nvm_memory.h"
 
 #define ENDING ".ini"
 /* What a file may have, and the memory that is tried for what is in it. */
@@ -121,4 +124,32 @@ int hdl_read_model(struct dg_hdl *self, const char *model)
     }
     free(path);
     return name == NULL || self->device != NULL ? 0 : -1;
+}
+
+/* Which figures of a model that is a text the EEPROM was made with, looked at in a copy. */
+static bool differs(struct dg_hdl *self, struct lx_words *to)
+{
+    const struct dg_device *device = self->device;
+    const struct dg_model_stamp *stamp =
+        device == NULL ? NULL : dg_model_stamp_of(dg_model_text_of(device->stack), device->model);
+    struct lx_nvm_memory copy;
+
+    if (stamp == NULL || lx_nvm_memory_init(&copy, self->memory.size) != 0) {
+        return false;
+    }
+    memcpy(copy.bytes, self->memory.bytes, copy.size);
+    const bool result = lx_figures_differ(stamp, lx_nvm_memory_port(&copy), to);
+    lx_nvm_memory_free(&copy);
+    return result;
+}
+
+int hdl_fail_memory(struct dg_hdl *self, int result, const char *memory)
+{
+    struct lx_words figures = {""};
+
+    if (memory[0] != '\0' && result == DG_HOST_ERR_FOREIGN && differs(self, &figures)) {
+        return hdl_fail(self, result, "%s: of other figures: %s", memory, figures.text);
+    }
+    return hdl_fail(self, result, "%s%s%s", memory, memory[0] != '\0' ? ": " : "",
+                    dg_host_result_text(result));
 }

@@ -9,14 +9,14 @@
 #include <unistd.h>
 
 #include "drehgeber/cia406.h"
-#include "drehgeber/stamp.h"
+#include "figures.h"
 #include "file.h"
 #include "nvm_memory.h"
 
 /* Longer than any image. */
 #define IMAGE_MAX 65536u
 /* How much of a list is told. */
-#define MISFITS_TOLD 8u
+#define OBJECTS_TOLD 8u
 
 /* What does not fit, in words. */
 struct misfits {
@@ -35,9 +35,8 @@ struct nvm_kind {
     /* Into memory that is as delivered. @return false: nothing fits */
     bool (*convert)(const struct dg_device *model, struct dg_nvm from, struct dg_nvm to,
                     struct misfits *misfits);
-    const char *whose;    /* an image that differs */
-    const char *nameless; /* what differs if nothing can be told */
-    const char *needed;   /* what can be converted */
+    const char *whose;  /* an image that differs */
+    const char *needed; /* what can be converted */
 };
 
 /* What a port of a model's kind is mounted by. */
@@ -66,7 +65,7 @@ static void tell_object(void *ctx, uint32_t key, enum dg_co_misfit why)
     self->count++;
     if (self->say != NULL) {
         lx_note(self->say, "%s: %s %s: as delivered", self->path, object, reasons[why]);
-    } else if (self->count <= MISFITS_TOLD) {
+    } else if (self->count <= OBJECTS_TOLD) {
         lx_words_add(&self->words, "%s%s %s", self->count == 1 ? "" : ", ", object, reasons[why]);
     }
 }
@@ -89,9 +88,15 @@ static bool eds_differs(const struct dg_device *model, struct dg_nvm image, stru
 {
     const struct dg_stack_setup setup = setup_of(model, image);
     struct dg_store store;
-    return model->stack->mount(&setup, &store) == DG_ERR_FOREIGN &&
-           dg_co_convert(file_of(model), image, (struct dg_nvm){NULL, NULL}, tell_object, to) ==
-               DG_OK;
+    const bool differs =
+        model->stack->mount(&setup, &store) == DG_ERR_FOREIGN &&
+        dg_co_convert(file_of(model), image, (struct dg_nvm){NULL, NULL}, tell_object, to) == DG_OK;
+    if (to->count == 0) {
+        lx_words_add(&to->words, "other limits");
+    } else if (to->count > OBJECTS_TOLD) {
+        lx_words_add(&to->words, " and %u more", to->count - OBJECTS_TOLD);
+    }
+    return differs;
 }
 
 static bool eds_convert(const struct dg_device *model, struct dg_nvm from, struct dg_nvm to,
@@ -114,20 +119,9 @@ static bool text_has(const struct dg_device *model)
     return stamp_of(model) != NULL;
 }
 
-static void tell_figure(void *ctx, const struct dg_model_misfit *misfit)
-{
-    struct misfits *self = ctx;
-    if (self->count++ < MISFITS_TOLD) {
-        lx_words_add(&self->words, "%s%s: %s, expected %s", self->count == 1 ? "" : "; ",
-                     misfit->key, misfit->found == NULL ? "none" : misfit->found,
-                     misfit->expected == NULL ? "none" : misfit->expected);
-    }
-}
-
 static bool text_differs(const struct dg_device *model, struct dg_nvm image, struct misfits *to)
 {
-    const int result = dg_model_stamp_compare(stamp_of(model), image, tell_figure, to);
-    return result == DG_ERR_ARGUMENT || result == DG_ERR_OLDER;
+    return lx_figures_differ(stamp_of(model), image, &to->words);
 }
 
 static void tell_region(void *ctx, const char *what)
@@ -152,7 +146,6 @@ static const struct nvm_kind kinds[] = {
         .differs = eds_differs,
         .convert = eds_convert,
         .whose = "another EDS file",
-        .nameless = "other limits",
         .needed = "an image in which the encoder of an EDS file has saved is right",
     },
     {
@@ -160,7 +153,6 @@ static const struct nvm_kind kinds[] = {
         .differs = text_differs,
         .convert = text_convert,
         .whose = "other figures",
-        .nameless = "those of a built-in model",
         .needed = "an image of an encoder of the same protocol is right",
     },
 };
@@ -206,12 +198,8 @@ static int check_image(const struct nvm_kind *kind, const struct dg_plan_encoder
     struct lx_nvm_memory image = {.bytes = NULL};
     int result = read_image(&image, encoder->nvm, error);
     if (result == 0 && kind->differs(encoder->model, lx_nvm_memory_port(&image), &misfits)) {
-        if (misfits.count > MISFITS_TOLD) {
-            lx_words_add(&misfits.words, " and %u more", misfits.count - MISFITS_TOLD);
-        }
         result = lx_refuse(error, "--nvm-convert NEW makes one of what fits", "%s: of %s: %s",
-                           encoder->nvm, kind->whose,
-                           misfits.count == 0 ? kind->nameless : misfits.words.text);
+                           encoder->nvm, kind->whose, misfits.words.text);
     }
     lx_nvm_memory_free(&image);
     return result < 0 ? -1 : 0;
@@ -274,10 +262,7 @@ int nvm_convert(struct dg_plan *plan, const char *path, const struct lx_say *say
     struct lx_nvm_memory from = {.bytes = NULL};
     struct lx_nvm_memory to = {.bytes = NULL};
     if (!is_convertible(plan)) {
-        (void)lx_refuse(
-            error,
-            "'run FILE --nvm OLD --nvm-convert NEW' is right",
-            "%s", "");
+        (void)lx_refuse(error, "'run FILE --nvm OLD --nvm-convert NEW' is right", "%s", "");
         return lx_about(error, LX_ABOUT_KEY, "nvm-convert", path);
     }
     struct dg_plan_encoder *encoder = &plan->encoders[0];

@@ -72,10 +72,49 @@ static void a_file_is_a_model(void **state)
     (void)rmdir(folder);
 }
 
+/* An EEPROM of other figures is refused with them, and stays as it is. */
+static void a_memory_of_other_figures(void **state)
+{
+    static const char *const texts[] = {"[model la]\nbase = s3674-biss\nst = 25\n",
+                                        "[model la]\nbase = s3674-biss\nst = 26\n"};
+    char folder[] = "/tmp/drehgeber-hdl-XXXXXX";
+    char path[128];
+    char memory[128];
+    char bytes[2][4096] = {"", ""};
+    size_t n[2];
+
+    (void)state;
+    assert_non_null(mkdtemp(folder));
+    (void)snprintf(path, sizeof path, "%s/la.ini", folder);
+    (void)snprintf(memory, sizeof memory, "%s/la.nvm", folder);
+    for (size_t i = 0; i < 2; i++) {
+        write_file(path, texts[i]);
+        struct dg_hdl *self = dg_hdl_open(path, "", "", memory);
+        assert_non_null(self);
+        if (i == 0) {
+            assert_string_equal(dg_hdl_error(self), "");
+        } else {
+            assert_non_null(
+                strstr(dg_hdl_error(self), "la.nvm: of other figures: st: 25, expected 26"));
+        }
+        dg_hdl_close(self);
+        FILE *file = fopen(memory, "r");
+        assert_non_null(file);
+        n[i] = fread(bytes[i], 1, sizeof bytes[i], file);
+        assert_int_equal(fclose(file), 0);
+    }
+    assert_true(n[0] > 1000 && n[0] == n[1]);
+    assert_memory_equal(bytes[0], bytes[1], n[0]);
+    (void)unlink(memory);
+    (void)unlink(path);
+    (void)rmdir(folder);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_file_is_a_model),
+        cmocka_unit_test(a_memory_of_other_figures),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
