@@ -162,6 +162,60 @@ struct dg_cia406_file {
 DG_API int dg_cia406_read(struct dg_cia406_file *self, const struct dg_eds_setup *setup,
                           struct dg_eds_note *error);
 
+/** What files are put on that are none of a built-in encoder: objects of the profile, and nothing
+ * of a manufacturer. Its node's device is a struct dg_cia406_file. */
+DG_API extern const struct dg_co_device dg_cia406_any;
+
+/** Causes of EMCYs beyond the stack's. */
+#define DG_CIA406_CAUSES 9u
+/** dg_co_device.causes of all these devices. */
+DG_API extern const struct dg_co_cause dg_cia406_causes[DG_CIA406_CAUSES];
+
+/** Regions of a layout behind DG_CO_STORE_REGIONS(): what 1010h keeps is so many bytes. */
+#define DG_CIA406_STORE_REGIONS(size)                                                              \
+    [DG_CO_REGION_APPLICATION] = {"profile", (size), DG_STORE_CHECKED, 0, NULL},                   \
+    [DG_CO_REGION_APPLICATION + 1] = {"usf", 21, DG_STORE_CHECKED, 0, dg_cia406_default_usf},      \
+    [DG_CO_REGION_APPLICATION + 2] = {"time", 4, DG_STORE_CHECKED, 0, dg_cia406_default_time}
+/** Default of the region "usf": nothing is scaled. */
+DG_API void dg_cia406_default_usf(const void *ctx, uint8_t *out);
+/** Default of the region "time": none has passed. */
+DG_API void dg_cia406_default_time(const void *ctx, uint8_t *out);
+
+/** Names of the profile's values, in their order, as DG_CO_VALUES() of eds_rows.h. */
+#define DG_CIA406_VALUES(VALUE)                                                                    \
+    VALUE(PARAMETERS)                                                                              \
+    VALUE(MUR)                                                                                     \
+    VALUE(TMR)                                                                                     \
+    VALUE(PRESET)                                                                                  \
+    VALUE(OFFSET)                                                                                  \
+    VALUE(SPEED_SOURCE)                                                                            \
+    VALUE(SPEED_WINDOW_MS)                                                                         \
+    VALUE(SPEED_MULTIPLIER)                                                                        \
+    VALUE(SPEED_DIVISOR)                                                                           \
+    VALUE(LOW_1)                                                                                   \
+    VALUE(LOW_2)                                                                                   \
+    VALUE(HIGH_1)                                                                                  \
+    VALUE(HIGH_2)                                                                                  \
+    VALUE(TEMPERATURE_LOW)                                                                         \
+    VALUE(TEMPERATURE_HIGH)                                                                        \
+    VALUE(CUSTOMER_1)                                                                              \
+    VALUE(CUSTOMER_2)                                                                              \
+    VALUE(CUSTOMER_3)                                                                              \
+    VALUE(CUSTOMER_4)                                                                              \
+    VALUE(POSITION)                                                                                \
+    VALUE(TURN_BITS)                                                                               \
+    VALUE(TURNS)                                                                                   \
+    VALUE(LAST)
+
+/** Slots of rows with DG_CO_SLOT. */
+enum dg_cia406_value {
+    DG_CIA406_VALUE_BEFORE = DG_CO_SLOT_APPLICATION - 1,
+#define DG_CIA406_VALUE(name) DG_CIA406_VALUE_##name,
+    DG_CIA406_VALUES(DG_CIA406_VALUE)
+#undef DG_CIA406_VALUE
+        DG_CIA406_VALUE_END
+};
+
 /** The same behind the seam of all protocols, see model.h; an object file of its own. */
 DG_API extern const struct dg_model_file dg_cia406_model_file;
 

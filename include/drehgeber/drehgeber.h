@@ -22,6 +22,7 @@
 #include "drehgeber/crc.h"
 #include "drehgeber/devices.h"
 #include "drehgeber/eds.h"
+#include "drehgeber/eds_rows.h"
 #include "drehgeber/fault.h"
 #include "drehgeber/figure.h"
 #include "drehgeber/form.h"

@@ -10,6 +10,7 @@
 
 #include "co_od.h"
 #include "drehgeber/eds.h"
+#include "drehgeber/eds_rows.h"
 
 /** A piece of the text. */
 struct eds_span {
@@ -159,8 +160,6 @@ uint8_t dg_co_keep_hook(struct eds_maker *self, dg_co_hook *hook);
 /** Hooks of rows that are no object of the base: a cell, what follows the node-ID, 64 bits;
  * "save" with the cells. */
 dg_co_hook dg_co_hook_cell, dg_co_hook_follows, dg_co_hook_wide, dg_co_hook_keep;
-/** dg_co_device.reset of a file: cells, then the base's own. */
-bool dg_co_reset_file(struct dg_co_node *node, bool application);
 /** Cells in a region of the store. */
 #define EDS_CELLS_A_REGION (DG_STORE_CHECKED_MAX / 4u)
 

@@ -8,10 +8,6 @@
 
 #include "cia406_private.h"
 
-/** What files are put on that are none of a built-in encoder: the objects of the profile that are
- * here, and nothing of a manufacturer. Its node's device is a struct dg_cia406_file. */
-extern const struct dg_co_device dg_cia406_any;
-
 /** Bits of 6300h that were set at the last look, a byte for each channel (ranges.c). */
 #define SLOT_CAMS (SLOT_CUSTOMER + 2)
 /** Channels of cams and work areas. */

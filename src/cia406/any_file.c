@@ -150,8 +150,8 @@ int dg_cia406_read(struct dg_cia406_file *self, const struct dg_eds_setup *setup
         return result;
     }
     struct dg_co_device *device = &self->file.device;
-    device->causes = dg_cia406_multiturn.causes;
-    device->cause_count = dg_cia406_multiturn.cause_count;
+    device->causes = dg_cia406_causes;
+    device->cause_count = DG_CIA406_CAUSES;
     find_figures(self, setup);
     make_name(self);
     make_resolution(self);

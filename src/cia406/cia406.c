@@ -289,7 +289,7 @@ void dg_cia406_default_time(const void *ctx, uint8_t *out)
 }
 
 /* clang-format off */
-static const struct dg_co_cause causes[CAUSE_END - DG_CO_CAUSES] = {
+const struct dg_co_cause dg_cia406_causes[DG_CIA406_CAUSES] = {
     [CAUSE_TEMPERATURE - DG_CO_CAUSES]   = {0x4200, 0x09, DG_CO_CLASS_DEVICE},
     [CAUSE_SPEED - DG_CO_CAUSES]         = {0x4200, 0x09, DG_CO_CLASS_DEVICE},
     [CAUSE_BATTERY_LOW - DG_CO_CAUSES]   = {0x3200, 0x01, DG_CO_CLASS_MANUFACTURER},
@@ -325,7 +325,7 @@ static const char *const strings[] = {"F36x8 CANopen encoder", "1.00", "1.08"};
 #define F36X8(model)                                                                               \
     .dictionary = {DG_CO_ROWS(rows), limits_##model, hooks}, .figures = figures_##model,           \
     .figure_count = FIGURE_COUNT, .kbaud = kbaud, .kbaud_count = DG_COUNT(kbaud), .save_ms = 14,   \
-    .causes = causes, .cause_count = CAUSE_END - DG_CO_CAUSES, .strings = strings,                 \
+    .causes = dg_cia406_causes, .cause_count = DG_CIA406_CAUSES, .strings = strings,               \
     .vendor_id = 0x13, .product_code = 0x56682001, .revision = 108, .reset = reset,                \
     .sample = dg_cia406_sample, .step = dg_cia406_step_node
 

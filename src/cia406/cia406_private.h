@@ -31,6 +31,10 @@ enum profile_slot {
     SLOT_END,
 };
 _Static_assert(SLOT_END <= DG_CO_VALUES_MAX, "room for the profile's slots");
+_Static_assert((int)SLOT_END == (int)DG_CIA406_VALUE_END &&
+                   (int)SLOT_LOW == (int)DG_CIA406_VALUE_LOW_1 &&
+                   (int)SLOT_CUSTOMER == (int)DG_CIA406_VALUE_CUSTOMER_1,
+               "all have names in public");
 
 /** Store regions of the profile. */
 enum profile_region {
@@ -54,6 +58,7 @@ enum profile_cause {
     CAUSE_END,
 };
 _Static_assert(CAUSE_END <= 32, "causes are bits of a 32-bit mask");
+_Static_assert(CAUSE_END - DG_CO_CAUSES == DG_CIA406_CAUSES, "as many as there are");
 
 /** As often a wrong password doubles the delay of the next one (C25). */
 #define PASSWORD_DELAYS_MAX 8u
@@ -88,9 +93,6 @@ dg_ns dg_cia406_in_ms(const struct dg_co_node *node, uint32_t ms);
 /* cia406.c */
 /** Supervision now and then; in event mode every millisecond whether a position has changed. */
 dg_ns dg_cia406_step_node(struct dg_co_node *node);
-/** As delivered: nothing is scaled, no time has passed. */
-void dg_cia406_default_usf(const void *ctx, uint8_t *out);
-void dg_cia406_default_time(const void *ctx, uint8_t *out);
 
 /* position.c */
 /** Physical counts of the shaft since angle 0, unbounded. */

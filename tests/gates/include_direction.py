@@ -116,6 +116,7 @@ OWNER = {
     "quantity.h":  "core",
     "motion.h":    "motion",
     "eds.h":       "canopen",
+    "eds_rows.h":  "canopen",
     "slcan.h":     "canopen",
     "devices.h":   "devices",
     "protocols.h": "devices",

@@ -57,9 +57,10 @@ static const struct {
             "  drehgeber eds vendor.eds --explain\n"},
     {"model", "It is a text on stdout: the model's figures as a struct, and a dg_device for\n"
               "dg_host_init() and its like. It links with the library, or with the protocol's\n"
-              "folder of its sources.\n"
+              "folder of its sources. An EDS file becomes rows of its dictionary.\n"
               "\n"
-              "  drehgeber model rls-la11-26 --c > rls_la11_26.c\n"},
+              "  drehgeber model rls-la11-26 --c > rls_la11_26.c\n"
+              "  drehgeber model vendor.eds --c > vendor.c\n"},
     {"biss", "The encoder is switched on, and its answers are printed.\n"
              "\n"
              "  drehgeber biss s3684-biss read --shaft 90DEG --trace biss.vcd\n"

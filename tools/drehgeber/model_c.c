@@ -12,6 +12,7 @@
 #include <string.h>
 
 #include "drehgeber/drehgeber.h"
+#include "model_eds_c.h"
 #include "run.h"
 
 /* How a member is written down. */
@@ -157,12 +158,14 @@ static const struct {
 
 /* --- members --- */
 
-/* In a literal: '?' might begin a trigraph. */
-static void put_text(const char *text)
+/* '?' might begin a trigraph; three digits end where they end. */
+void model_put_text(const char *text)
 {
     (void)putchar('"');
     for (; *text != '\0'; text++) {
-        (void)printf(strchr("\"\\?", *text) != NULL ? "\\%c" : "%c", *text);
+        const unsigned char c = (unsigned char)*text;
+        const bool plain = c >= ' ' && c < 0x7F;
+        (void)printf(!plain ? "\\%03o" : strchr("\"\\?", c) != NULL ? "\\%c" : "%c", c);
     }
     (void)putchar('"');
 }
@@ -213,7 +216,7 @@ static void put_value(const struct member *self, const void *at)
         (void)fputs("true", stdout);
         break;
     case TEXT:
-        put_text(at);
+        model_put_text(at);
         break;
     case BYTES:
         put_bytes(at, self->size);
@@ -270,10 +273,17 @@ static void put_head(const struct options *options, const char *header)
     (void)printf("/*\n * %s, made by drehgeber %s.\n", options->device->name, dg_version());
     put_note("Source", text == NULL ? NULL : text->source);
     put_note("Not modelled", text == NULL ? NULL : text->unmodelled);
-    (void)printf(" */\n#include \"drehgeber/%s\"\n#include \"drehgeber/devices.h\"\n\n", header);
+    (void)printf(" */\n#include \"drehgeber/%s\"\n#include \"drehgeber/devices.h\"\n", header);
 }
 
-static void put_device(const struct dg_device *device, const char *symbol, const char *stack)
+/* Members that are initialisers already, in words. */
+struct last {
+    const char *stack;
+    const char *model; /* behind its symbol */
+    bool cells;        /* it takes memory of its own */
+};
+
+static void put_device(const struct dg_device *device, const char *symbol, const struct last *last)
 {
     const struct {
         const char *name;
@@ -284,10 +294,15 @@ static void put_device(const struct dg_device *device, const char *symbol, const
                  symbol);
     for (size_t i = 0; i < DG_COUNT(texts); i++) {
         (void)printf("    .%s = ", texts[i].name);
-        put_text(texts[i].text);
+        model_put_text(texts[i].text);
         (void)fputs(",\n", stdout);
     }
-    (void)printf("    .stack = &%s,\n    .model = &%s_figures,\n};\n", stack, symbol);
+    (void)printf("    .stack = &%s,\n    .model = &%s_%s,\n", last->stack, symbol, last->model);
+    if (last->cells) {
+        (void)printf("    .more = sizeof %s_cells / sizeof *%s_cells * sizeof(uint32_t),\n", symbol,
+                     symbol);
+    }
+    (void)fputs("};\n", stdout);
 }
 
 static void put_model(const struct options *options, size_t protocol)
@@ -296,11 +311,13 @@ static void put_model(const struct options *options, size_t protocol)
     const struct shape *model = &protocols[protocol].model;
     const struct shape *form = &protocols[protocol].form;
     const struct lx_words symbol = symbol_of(device);
+    const struct last last = {.stack = protocols[protocol].name, .model = "figures"};
     const void *figures = NULL;
     if (form->type != NULL) {
         memcpy(&figures, (const char *)device->model + protocols[protocol].pointer, sizeof figures);
     }
     put_head(options, protocols[protocol].header);
+    (void)putchar('\n');
     if (figures != NULL) {
         (void)printf("static const struct %s %s_form = {\n%s", form->type, symbol.text,
                      form->functions);
@@ -313,7 +330,22 @@ static void put_model(const struct options *options, size_t protocol)
         (void)printf("    .form = &%s_form,\n", symbol.text);
     }
     (void)fputs("};\n", stdout);
-    put_device(device, symbol.text, protocols[protocol].name);
+    put_device(device, symbol.text, &last);
+}
+
+static int put_eds(const struct options *options, const struct dg_cia406_file *file)
+{
+    const struct lx_words symbol = symbol_of(options->device);
+    const struct last last = {
+        .stack = "dg_cia406_stack", .model = "file.model", .cells = file->file.cell_count > 0};
+    const int result = model_eds_check(file, options->model);
+    if (result == EXIT_OK) {
+        put_head(options, "cia406.h");
+        (void)fputs("#include \"drehgeber/eds_rows.h\"\n\n", stdout);
+        model_eds_put(file, symbol.text);
+        put_device(options->device, symbol.text, &last);
+    }
+    return result;
 }
 
 int model_command(const struct options *options)
@@ -330,6 +362,9 @@ int model_command(const struct options *options)
         lx_complain("model %s does nothing; right is 'drehgeber %s'", options->model,
                     options->row->usage);
         return EXIT_USAGE;
+    }
+    if (model_eds_of(device) != NULL) {
+        return put_eds(options, model_eds_of(device));
     }
     while (i < DG_COUNT(protocols) && protocols[i].stack != device->stack) {
         i++;
