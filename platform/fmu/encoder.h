@@ -3,6 +3,7 @@
 #ifndef DREHGEBER_FMU_ENCODER_H
 #define DREHGEBER_FMU_ENCODER_H
 
+#include "drehgeber/host_wire.h"
 #include "fmu.h"
 
 /** What an encoder has, a bit each: the medium of its wire, and what only some of a medium can do.
@@ -36,10 +37,12 @@ struct fmu_course {
 /** One of them. */
 struct fmu_encoder {
     char prefix[FMU_NAME_MAX];
-    char model[32];
-    int owner;    /* of its shaft; -1: itself */
-    unsigned has; /* FMU_HAS_... */
-    void *memory; /* owned */
+    char model[40];                 /* its name, or that of its file */
+    const struct dg_device *device; /* in `made`; NULL: the name says it */
+    void *made;                     /* owned; NULL: it is built in */
+    int owner;                      /* of its shaft; -1: itself */
+    unsigned has;                   /* FMU_HAS_... */
+    void *memory;                   /* owned */
     struct dg_host *host;
     void *panel_memory; /* owned */
     struct dg_host_panel *panel;
@@ -75,7 +78,14 @@ int64_t fmu_nearest(double value);
 /* Below the limit, and a number. */
 bool fmu_is_small(double value, double limit);
 
-/* fmu_token.c: where in memory with DG_HOST_ALIGN more bytes a handle may be. */
+/* fmu_model.c: "MODEL...", see fmu.h; one that was made before stays. @return what stands behind,
+   or NULL */
+const char *encoder_take_model(struct fmu_encoder *self, const char *at,
+                               const struct fmu_files *files);
+/* fmu_token.c */
+/* What stands before one of `ends`, without %XX. @return its end, or NULL: too long, or %XY */
+const char *encoder_word(const char *from, const char *ends, char *to, size_t size);
+/* Where in memory with DG_HOST_ALIGN more bytes a handle may be. */
 void *encoder_aligned(void *memory);
 /* FMU_HAS_... of a handle that was never on; 0: an FMU cannot have it. */
 unsigned encoder_has(struct dg_host *host);

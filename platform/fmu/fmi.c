@@ -29,9 +29,67 @@ static int status_of(const struct fmi *self, const char *what, int result)
 
 /* --- life --- */
 
-void *fmi_begin(struct fmi *self, const char *token)
+/* Where an importer says that resources are: FMI 2 says a URI. @return 0, or -1: it is too long */
+static int path_of(const char *resources, const char *name, char *to, size_t size)
 {
-    self->fmu = fmu_make(token);
+    static const char scheme[] = "file:";
+    const bool uri = strncmp(resources, scheme, strlen(scheme)) == 0;
+    const char *at = resources + (uri ? strlen(scheme) : 0);
+    size_t n = 0;
+    if (uri && strncmp(at, "//", 2) == 0) {
+        at += 2 + strcspn(at + 2, "/"); /* a host, which is this one */
+    }
+    if (uri && at[0] == '/' && at[1] != '\0' && at[2] == ':') {
+        at++; /* a drive */
+    }
+    while (*at != '\0' && n + 1 < size) {
+        unsigned code = 0;
+        const bool escaped = uri && *at == '%' && sscanf(at + 1, "%2x", &code) == 1;
+        to[n++] = escaped ? (char)code : *at;
+        at += escaped ? 3 : 1;
+    }
+    const int rest = snprintf(to + n, size - n, "/%s", name);
+    return *at == '\0' && rest >= 0 && (size_t)rest < size - n ? 0 : -1;
+}
+
+static char *read_all(FILE *file, size_t *n)
+{
+    size_t room = 65536;
+    char *bytes = malloc(room);
+    *n = 0;
+    while (bytes != NULL) {
+        *n += fread(bytes + *n, 1, room - *n, file);
+        if (*n < room) {
+            break;
+        }
+        room *= 2;
+        char *more = realloc(bytes, room);
+        if (more == NULL) {
+            free(bytes);
+        }
+        bytes = more;
+    }
+    return bytes;
+}
+
+static char *read_resource(void *ctx, const char *name, size_t *n)
+{
+    char path[4096];
+    FILE *file =
+        ctx == NULL || path_of(ctx, name, path, sizeof path) != 0 ? NULL : fopen(path, "rb");
+    char *bytes = file == NULL ? NULL : read_all(file, n);
+    if (file != NULL) {
+        (void)fclose(file);
+    }
+    return bytes;
+}
+
+void *fmi_begin(struct fmi *self, const char *token, const char *resources)
+{
+    char folder[4096] = "";
+    (void)snprintf(folder, sizeof folder, "%s", resources == NULL ? "" : resources);
+    const struct fmu_files files = {read_resource, folder[0] == '\0' ? NULL : folder};
+    self->fmu = fmu_make_with(token, &files);
     if (self->fmu == NULL) {
         (void)fmi_failed(self, "the token (guid) of the model description is another build's",
                          DG_HOST_ERR_OTHER);

@@ -76,8 +76,9 @@ struct fmi {
     char (*texts)[FMU_NAME_MAX]; /**< owned: those that were got last */
 };
 
-/** `self` is of calloc(), and is released if the token is of no use. @return `self`, or NULL */
-void *fmi_begin(struct fmi *self, const char *token);
+/** `self` is of calloc(), and is released if the token is of no use. @param resources where the FMU
+ * has its files, as a path or a URI; NULL: not said. @return `self`, or NULL */
+void *fmi_begin(struct fmi *self, const char *token, const char *resources);
 /** Release it; NULL is nothing. */
 void fmi_end(struct fmi *self);
 /** Initialization begins, or is over: power. Refused where there is none to begin or to end. */

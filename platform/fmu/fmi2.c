@@ -59,7 +59,7 @@ FMI_FUNCTION(void *, fmi2Instantiate,
     }
     self->callbacks = callbacks;
     self->fmi.tell = tell;
-    return fmi_begin(&self->fmi, token);
+    return fmi_begin(&self->fmi, token, resources);
 }
 
 FMI_FUNCTION(void, fmi2FreeInstance, (void *of))

@@ -50,7 +50,7 @@ FMI_FUNCTION(void *, fmi3InstantiateCoSimulation,
     self->events = events;
     self->early = early && events;
     self->fmi.tell = tell;
-    if (fmi_begin(&self->fmi, token) == NULL) {
+    if (fmi_begin(&self->fmi, token, resources) == NULL) {
         return NULL;
     }
     fmu_use_events(self->fmi.fmu, events);

@@ -7,7 +7,10 @@
  * What encoders there are stands in a text, the token of the FMU:
  *   drehgeber VERSION NAME=MODEL[@OTHER][,KEY=VALUE]... [NAME=MODEL...]
  * NAME is empty when there is one encoder only; OTHER is the number of the encoder, counted from 0,
- * on whose shaft it sits. What is no letter, digit, '.', '_' or '-' in NAME and VALUE is %XX.
+ * on whose shaft it sits. MODEL is the name of one that is built in; or of a text, with what it is:
+ *   NAME:BASE[;-HEIRLOOM]...[;FIGURE=VALUE]...
+ * or a file that the FMU has, called by the CRC of its bytes: 89ABCDEF.eds.
+ * What is no letter, digit, '.', '_' or '-' in NAME and VALUE is %XX.
  */
 #ifndef DREHGEBER_FMU_H
 #define DREHGEBER_FMU_H
@@ -92,9 +95,18 @@ struct fmu_value {
 /** Encoders that go on together. */
 struct fmu;
 
+/** Files of the FMU. */
+struct fmu_files {
+    /** The bytes of one, to be freed; NULL: there is none. */
+    char *(*read)(void *ctx, const char *name, size_t *n);
+    void *ctx;
+};
+
 /** Make them of a token; NULL: it is of another version, of no known model or
  * medium, or no memory. */
 struct fmu *fmu_make(const char *token);
+/** The same, of which a model may be a file; `files` is asked for it before this returns. */
+struct fmu *fmu_make_with(const char *token, const struct fmu_files *files);
 void fmu_free(struct fmu *self);
 /** Whether an FMU can have this encoder, which was never on: its medium has to be known here, and a
  * CAN node has to tell its bit rate. */

@@ -16,8 +16,7 @@ static int hex(char c)
     return at == NULL ? -1 : (int)(at - digits);
 }
 
-/* What stands before one of `ends`, without %XX. @return its end, or NULL: too long, or %XY */
-static const char *word(const char *from, const char *ends, char *to, size_t size)
+const char *encoder_word(const char *from, const char *ends, char *to, size_t size)
 {
     size_t n = 0;
     while (*from != '\0' && strchr(ends, *from) == NULL) {
@@ -68,18 +67,37 @@ void *encoder_aligned(void *memory)
     return (char *)memory + (past == 0 ? 0 : DG_HOST_ALIGN - past);
 }
 
-static int encoder_make(struct fmu_encoder *self)
+/* @return NULL: `model` is none, or no memory */
+static struct dg_host *make_built_in(struct fmu_encoder *self)
 {
     const size_t size = dg_host_size_of(self->model);
+    self->memory = size == 0 ? NULL : calloc(1, size + DG_HOST_ALIGN);
+    return self->memory == NULL ? NULL
+                                : dg_host_make(encoder_aligned(self->memory), size, self->model);
+}
+
+static struct dg_host *make_of_device(struct fmu_encoder *self)
+{
+    const struct dg_host_wire *wire = dg_host_wire_of(self->device);
+    const size_t size = dg_host_size(self->device, wire);
+    self->memory = calloc(1, size + DG_HOST_ALIGN);
+    if (self->memory == NULL) {
+        return NULL;
+    }
+    struct dg_host *host = dg_host_init(encoder_aligned(self->memory), size, self->device, wire);
+    if (host != NULL) {
+        dg_host_take_side(host, dg_bus_side_of(self->device));
+    }
+    return host;
+}
+
+static int encoder_make(struct fmu_encoder *self)
+{
     free(self->memory);
     free(self->panel_memory);
     self->panel_memory = NULL;
     self->panel = NULL;
-    self->memory = size == 0 ? NULL : calloc(1, size + DG_HOST_ALIGN);
-    if (self->memory == NULL) {
-        return -1;
-    }
-    self->host = dg_host_make(encoder_aligned(self->memory), size, self->model);
+    self->host = self->device == NULL ? make_built_in(self) : make_of_device(self);
     if (self->host == NULL) {
         return -1;
     }
@@ -93,8 +111,8 @@ static const char *take_settings(struct fmu_encoder *self, const char *at)
     while (at != NULL && *at == ',') {
         char key[FMU_NAME_MAX];
         char value[FMU_NAME_MAX];
-        at = word(at + 1, "=", key, sizeof key);
-        at = at == NULL || *at != '=' ? NULL : word(at + 1, ", ", value, sizeof value);
+        at = encoder_word(at + 1, "=", key, sizeof key);
+        at = at == NULL || *at != '=' ? NULL : encoder_word(at + 1, ", ", value, sizeof value);
         if (at != NULL && dg_host_set(self->host, key, value) != DG_HOST_OK) {
             return NULL;
         }
@@ -103,11 +121,12 @@ static const char *take_settings(struct fmu_encoder *self, const char *at)
 }
 
 /* " NAME=MODEL@OTHER,KEY=VALUE" */
-static const char *take_encoder(struct fmu_encoder *self, const char *at, size_t index)
+static const char *take_encoder(struct fmu_encoder *self, const char *at, size_t index,
+                                const struct fmu_files *files)
 {
     char name[FMU_NAME_MAX / 2];
-    at = word(at + 1, "=", name, sizeof name);
-    at = at == NULL || *at != '=' ? NULL : word(at + 1, "@, ", self->model, sizeof self->model);
+    at = encoder_word(at + 1, "=", name, sizeof name);
+    at = at == NULL || *at != '=' ? NULL : encoder_take_model(self, at + 1, files);
     if (at == NULL || encoder_make(self) != 0) {
         return NULL;
     }
@@ -125,7 +144,7 @@ static const char *take_encoder(struct fmu_encoder *self, const char *at, size_t
     return take_settings(self, at);
 }
 
-static int build(struct fmu *self)
+static int build(struct fmu *self, const struct fmu_files *files)
 {
     static const char head[] = "drehgeber " DG_VERSION;
     const char *at = self->token + strlen(head);
@@ -133,7 +152,7 @@ static int build(struct fmu *self)
         return -1;
     }
     for (size_t i = 0; i < self->count; i++) {
-        at = *at == ' ' ? take_encoder(&self->encoders[i], at, i) : NULL;
+        at = *at == ' ' ? take_encoder(&self->encoders[i], at, i, files) : NULL;
         if (at == NULL) {
             return -1;
         }
@@ -162,6 +181,11 @@ static size_t encoders_in(const char *token)
 
 struct fmu *fmu_make(const char *token)
 {
+    return fmu_make_with(token, NULL);
+}
+
+struct fmu *fmu_make_with(const char *token, const struct fmu_files *files)
+{
     struct fmu *self = calloc(1, sizeof *self);
     const size_t n = token == NULL ? 0 : strlen(token);
     if (self == NULL || n == 0) {
@@ -174,7 +198,8 @@ struct fmu *fmu_make(const char *token)
     if (self->token != NULL) {
         memcpy(self->token, token, n + 1);
     }
-    if (self->token == NULL || self->encoders == NULL || self->count == 0 || build(self) != 0) {
+    if (self->token == NULL || self->encoders == NULL || self->count == 0 ||
+        build(self, files) != 0) {
         fmu_free(self);
         return NULL;
     }
@@ -189,6 +214,7 @@ void fmu_free(struct fmu *self)
     for (size_t i = 0; self->encoders != NULL && i < self->count; i++) {
         free(self->encoders[i].memory);
         free(self->encoders[i].panel_memory);
+        free(self->encoders[i].made);
     }
     free(self->encoders);
     free(self->token);
@@ -197,5 +223,5 @@ void fmu_free(struct fmu *self)
 
 int fmu_reset(struct fmu *self)
 {
-    return build(self);
+    return build(self, NULL);
 }

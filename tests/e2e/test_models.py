@@ -4,6 +4,7 @@ import json
 import os
 import shutil
 import subprocess
+import zipfile
 
 import pytest
 
@@ -209,11 +210,12 @@ def test_it_is_found_where_it_is_installed(tmp_path):
     assert SOLD[0]["model"] in told.stdout
 
 
-def test_an_fmu_has_no_files(tmp_path):
+def test_an_fmu_has_its_figures(tmp_path):
     path = tmp_path / "la26.ini"
     path.write_text(LA26)
-    assert "la26 is the model of a file, which an FMU does not have" in run_refused(
-        2, "fmu", path, "--output", tmp_path / "a.fmu")
+    assert run("fmu", path, "--output", tmp_path / "a.fmu").stderr == ""
+    described = zipfile.ZipFile(tmp_path / "a.fmu").read("modelDescription.xml").decode()
+    assert "=la26:s3674-biss;-registers;st=26" in described
 
 
 def test_a_wire_does_not_hide_what_is_wrong_in_a_file(tmp_path):

@@ -61,7 +61,7 @@ ROOMS = {
     "web":             {"core", "devices", "host", "bus", "words"},
     "web/libc":        set(),
     "web/libc/sys":    set(),
-    "fmu":             {"core", "host", "bus"},
+    "fmu":             {"core", "devices", "host", "bus"},
     "tools/drehgeber": {"tools/drehgeber", "motion", "linux/rig", "fmu"} | BELOW | WIRES, # web/ is a program of its own
     "tools/manual":    {"core", "devices", "tools/drehgeber"} | BELOW,
     "tools/reference": {"core", "control", "devices", "instruments", "rig", "src/rig"},

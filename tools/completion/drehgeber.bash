@@ -57,7 +57,7 @@ _drehgeber_options()
         biss) echo " --model= --nvm= --serial= --shaft= --set= --trace= --help" ;;
         ssi) echo " --model= --shaft= --set= --trace= --help" ;;
         map) echo " --ring= --model= --help" ;;
-        fmu) echo " --serial= --node= --set= --output= --fmi= --help" ;;
+        fmu) echo " --model= --serial= --node= --set= --output= --fmi= --help" ;;
         ctl) echo " --control= --timeout= --help" ;;
         top) echo " --control= --help" ;;
         web) echo " --control= --listen= --token= --watch --help" ;;

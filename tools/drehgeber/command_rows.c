@@ -106,7 +106,7 @@ const struct command_row command_rows[] = {
         .command = COMMAND_FMU,
         .usage = "fmu MODEL --output FILE.fmu [OPTIONS]",
         .help = "write that encoder as an FMU, for co-simulation",
-        .takes = " output fmi set serial node ",
+        .takes = " output fmi set serial node model ",
     },
     {
         .name = "fmu",

@@ -21,6 +21,7 @@
 #include "describe.h"
 #include "drehgeber/devices.h"
 #include "drehgeber/drehgeber.h"
+#include "fmu_models.h"
 #include "plan.h"
 #include "run.h"
 #include "say.h"
@@ -41,6 +42,7 @@ struct making {
     char **sources; /* owned, of `list` */
     size_t source_count;
     struct fmu *fmu;
+    struct fmu_models models;
     struct lx_error error;
 };
 
@@ -105,17 +107,6 @@ static int take_list(struct making *self)
 
 /* --- the token, see fmu.h --- */
 
-static void escaped(const char *text, FILE *to)
-{
-    for (; *text != '\0'; text++) {
-        if (isalnum((unsigned char)*text) || strchr("._-", *text) != NULL) {
-            (void)fputc(*text, to);
-        } else {
-            (void)fprintf(to, "%%%02X", (unsigned)(unsigned char)*text);
-        }
-    }
-}
-
 /* As names of variables may be. */
 static void put_name(const char *text, FILE *to)
 {
@@ -146,17 +137,18 @@ static int put_setting(struct making *self, struct dg_host *trial, const char *k
         return lx_about(&self->error, LX_ABOUT_SETTING, key, value);
     }
     (void)fprintf(to, ",%s=", key);
-    escaped(value, to);
+    fmu_put_escaped(value, to);
     return 0;
 }
 
 static int put_settings(struct making *self, const struct dg_plan_encoder *encoder, FILE *to)
 {
     const struct dg_key *address = dg_plan_address_row(encoder->model);
-    const size_t size = dg_host_size_of(encoder->model->name);
+    const struct dg_host_wire *wire = dg_host_wire_of(encoder->model);
+    const size_t size = dg_host_size(encoder->model, wire);
     void *memory = aligned_alloc(DG_HOST_ALIGN, (size + DG_HOST_ALIGN - 1) & ~(DG_HOST_ALIGN - 1));
     struct dg_host *trial =
-        memory == NULL ? NULL : dg_host_make(memory, size, encoder->model->name);
+        memory == NULL ? NULL : dg_host_init(memory, size, encoder->model, wire);
     int result = trial == NULL ? lx_fail(&self->error, "no memory for an encoder") : 0;
     if (result == 0 && !fmu_can_have(trial)) {
         result = lx_refuse(&self->error, "leave it out", "an FMU cannot have %s, which speaks %s",
@@ -247,19 +239,6 @@ static int refuse_wires(struct making *self, const struct dg_plan *plan)
                                                 : no_such(self, of->list[0].key, of->list[0].value);
 }
 
-/* It is made anew from its name, where no file is. */
-static int refuse_models(struct making *self, const struct dg_plan *plan)
-{
-    for (size_t i = 0; i < plan->encoder_count; i++) {
-        const char *name = plan->encoders[i].model->name;
-        if (dg_device_find(name) != plan->encoders[i].model) {
-            return lx_refuse(&self->error, "a built-in model is right",
-                             "%s is the model of a file, which an FMU does not have", name);
-        }
-    }
-    return 0;
-}
-
 /* --- the token of all --- */
 
 /* The first encoder of a shaft is turned, and the others follow. */
@@ -274,11 +253,12 @@ static int put_encoder(struct making *self, const struct dg_plan *plan, size_t i
     if (plan->encoder_count > 1) {
         put_name(encoder->name, to);
     }
-    (void)fprintf(to, "=%s", encoder->model->name);
+    (void)fputc('=', to);
+    const int result = fmu_models_put(&self->models, encoder->model, to, &self->error);
     if (owner != index) {
         (void)fprintf(to, "@%zu", owner);
     }
-    return put_settings(self, encoder, to);
+    return result == 0 ? put_settings(self, encoder, to) : result;
 }
 
 static int make_token(struct making *self, const struct dg_plan *plan)
@@ -385,6 +365,12 @@ static int add_all(struct making *self, struct zip *zip, const struct fmu_about 
     if (result == 0 && self->version == 3) {
         result = add_texts(self, zip, about);
     }
+    for (size_t i = 0; i < self->models.count; i++) {
+        const struct fmu_resource *resource = &self->models.resources[i];
+        char name[sizeof resource->name + sizeof "resources/"];
+        (void)snprintf(name, sizeof name, "resources/%s", resource->name);
+        zip_add(zip, name, resource->bytes, resource->n);
+    }
     return result != 0 ? result : add_sources(self, zip);
 }
 
@@ -459,7 +445,7 @@ static int make(struct making *self, const struct dg_plan *plan, const char *out
     if (find_folder(self) != 0 || take_list(self) != 0) {
         return -1;
     }
-    self->fmu = fmu_make(self->token.bytes);
+    self->fmu = fmu_make_with(self->token.bytes, &self->models.files);
     if (self->fmu == NULL) {
         return lx_fail(&self->error, "no memory for the encoders");
     }
@@ -500,8 +486,8 @@ int fmu_command(const struct options *options)
         return complain(&self.error, EXIT_USAGE);
     }
     int status = EXIT_OK;
-    if (refuse_models(&self, &plan) != 0 || refuse_wires(&self, &plan) != 0 ||
-        make_token(&self, &plan) != 0) {
+    fmu_models_begin(&self.models, options, &plan);
+    if (refuse_wires(&self, &plan) != 0 || make_token(&self, &plan) != 0) {
         status = complain(&self.error, EXIT_USAGE);
     } else if (options->device == NULL && is_same_file(options->model, options->output)) {
         lx_complain("fmu: %s is the rig file itself", options->output);
@@ -515,6 +501,7 @@ int fmu_command(const struct options *options)
         tell_left_out(&plan);
     }
     fmu_free(self.fmu);
+    fmu_models_end(&self.models);
     free(self.sources);
     free(self.token.bytes);
     free(self.list.bytes);

@@ -77,7 +77,8 @@ static const struct {
             "as clocked binaries. Its sources are in it. Encoders of a rig file that share a\n"
             "shaft are turned as one; its wires, motions, gears and files stay outside.\n"
             "\n"
-            "  drehgeber fmu s3684-biss --output axis.fmu\n"},
+            "  drehgeber fmu s3684-biss --output axis.fmu\n"
+            "  drehgeber fmu vendor.eds --output vendor.fmu\n"},
     {"ctl", "Commands are sent, answers printed; without a command they are read from stdin.\n"
             "Without --control the one rig that runs is meant. A number without a unit is in\n"
             "DEG, RPM, RPM/S, MS, DEGC, MV or UA; DURation of FAULt:SET needs its unit.\n"
