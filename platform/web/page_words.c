@@ -23,8 +23,8 @@ struct web_words {
     max_align_t memory[];
 };
 
-size_t web_words_size(const char *model);
-void web_words_init(struct web_words *self, const char *model);
+size_t web_words_size(const struct dg_device *device);
+void web_words_init(struct web_words *self, const struct dg_device *device);
 void web_words_step(struct web_words *self, uint64_t now);
 void web_words_uart(struct web_words *self, const struct dg_host_event *event, bool ours,
                     const struct dg_host_uart *uart);
@@ -48,29 +48,23 @@ int web_ring_identify(const struct web_ring *self, uint64_t now);
 /* The bytes of IN, the high one first. @return how many, at most 2 * DG_RING_WORDS_MAX */
 size_t web_ring_in(const struct web_ring *self, uint8_t *to);
 
-static const struct dg_words *words_of(const char *model)
-{
-    const struct dg_device *device = dg_device_find(model);
-
-    return device == NULL ? NULL : dg_words_of(device->stack);
-}
-
 static void tell_line(void *ctx, const struct dg_words_line *line)
 {
     web_line(ctx, line->at, line->ours, line->severity, line->text);
 }
 
-size_t web_words_size(const char *model)
+size_t web_words_size(const struct dg_device *device)
 {
-    const struct dg_words *words = words_of(model);
+    const struct dg_words *words = dg_words_of(device->stack);
 
     return sizeof(struct web_words) + (words == NULL ? 0 : words->size);
 }
 
-void web_words_init(struct web_words *self, const char *model)
+void web_words_init(struct web_words *self, const struct dg_device *device)
 {
-    memset(self, 0, web_words_size(model));
-    self->wire = (struct dg_words_wire){words_of(model), self->memory, {tell_line, self}};
+    memset(self, 0, web_words_size(device));
+    self->wire =
+        (struct dg_words_wire){dg_words_of(device->stack), self->memory, {tell_line, self}};
 }
 
 void web_words_step(struct web_words *self, uint64_t now)

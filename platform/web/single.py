@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: MIT
-"""The playground in one file, drehgeber.html, which needs no server: browsers load no modules from file://.
+"""The playground in one file, drehgeber.html, which needs no server: browsers load no modules from file://. And its
+module packed, as the pages beside it load it.
 
 usage: single.py FOLDER"""
 
 import base64
+import gzip
 import re
 import sys
 from pathlib import Path
@@ -32,7 +34,9 @@ def replaced(page: str, what: str, by: str) -> str:
 def main() -> None:
     """Write it beside its parts."""
     folder = Path(sys.argv[1])
-    code = base64.b64encode((folder / "drehgeber.wasm").read_bytes()).decode()
+    packed = gzip.compress((folder / "drehgeber.wasm").read_bytes(), mtime=0)
+    (folder / "drehgeber.wasm.gz").write_bytes(packed)
+    code = base64.b64encode(packed).decode()
     page = (folder / "index.html").read_text(encoding="utf-8")
     style = INDENT.sub("", (folder / "style.css").read_text(encoding="utf-8"))
     page = replaced(page, '<link rel="stylesheet" href="style.css">', f"<style>\n{style}</style>")

@@ -3,7 +3,7 @@
 // `still` the clock stands, and the masters ask nothing by themselves; the console of the browser has `drehgeber.rig`.
 import { Engine } from "./engine.js";
 import { readLink, writeLink } from "./link.js";
-import { ENCODERS } from "./masters.js";
+import { ENCODERS, rowOf } from "./masters.js";
 import { $, Page, angleOf, degrees } from "./page.js";
 import { Rig } from "./rig.js";
 import { Panel } from "./view.js";
@@ -18,13 +18,20 @@ const START_RPM = 10;
 const TRY_RPM = 60;
 const WORN = "led_current_high";
 
+// A server may have unpacked it already.
+async function unpack(bytes) {
+  const [first] = new Uint8Array(bytes, 0, 1);
+  const unpacked = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"));
+  return first === 0 ? bytes : new Response(unpacked).arrayBuffer();
+}
+
 async function moduleBytes() {
   const inside = $("module");
   if (inside) {
-    return Uint8Array.from(atob(inside.textContent.trim()), (character) => character.charCodeAt(0));
+    return unpack(Uint8Array.from(atob(inside.textContent.trim()), (character) => character.charCodeAt(0)).buffer);
   }
-  const response = await fetch("drehgeber.wasm");
-  return response.arrayBuffer();
+  const response = await fetch("drehgeber.wasm.gz");
+  return unpack(await response.arrayBuffer());
 }
 
 // Storage may be forbidden, or full: then nothing is kept.
@@ -56,6 +63,7 @@ class Playground extends Page {
     this.tabs(this.rig.encoders.map((encoder) => this.panel(encoder)));
     this.time();
     this.tries();
+    this.owns();
     this.linkPages();
     if (this.runs && !matchMedia("(prefers-reduced-motion: reduce)").matches) {
       this.rig.turn(START_RPM);
@@ -73,9 +81,10 @@ class Playground extends Page {
   }
 
   panel(encoder) {
-    const row = ENCODERS.find(({ model }) => model === encoder.model);
+    const own = encoder.key === "own";
+    const row = own ? rowOf(encoder, this.rig.encoders) : ENCODERS.find(({ model }) => model === encoder.model);
     encoder.master = row.master?.(encoder);
-    const options = { keep: storage.put, about: row, master: row };
+    const options = { keep: own ? undefined : storage.put, about: row, master: row };
     return new Panel(encoder, (run) => this.guard(run), options);
   }
 
@@ -112,6 +121,32 @@ class Playground extends Page {
         this.answer(late);
       }
     });
+  }
+
+  // A text that the user has put in becomes an encoder; the one before goes, unless the text is wrong.
+  owns() {
+    $("own").addEventListener("submit", (event) => {
+      event.preventDefault();
+      this.guard(() => this.own($("own-text").value));
+    });
+  }
+
+  own(text) {
+    $("own-wrong").hidden = true;
+    let encoder;
+    try {
+      encoder = this.rig.own(text);
+    } catch (error) {
+      $("own-wrong").textContent = error.message;
+      $("own-wrong").hidden = false;
+      return;
+    }
+    this.panels.filter(({ key }) => key === "own").forEach((panel) => this.removeTab(panel));
+    const panel = this.panel(encoder);
+    panel.asks = this.runs;
+    panel.repeat.checked = this.runs;
+    this.addTab(panel);
+    this.show(panel);
   }
 
   // The site has the pages above the page's folder, the tree above the build's. Elsewhere there are none.

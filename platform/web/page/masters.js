@@ -7,6 +7,22 @@ import { hexadecimal, unhex } from "./parts.js";
 // A master that is silent for longer than 100 ms counts as gone.
 const BUS_NS = 50_000_000n;
 
+// A clocked wire of any form, which the library's master reads.
+const CLOCKED = {
+  figure: "Bits of the latest frame", drawing: "bits", drawn: "As the encoder sends them, position, flags and check sum.",
+  ask: (e) => e.read(),
+  look: (e) => [() => e.read()],
+  buttons: (e) => [["Frame", () => e.read()]],
+  forms: () => [],
+};
+
+// What is shown of an encoder that the user has put in: the master of its wire, with its own name.
+export function rowOf(encoder, others) {
+  const same = others.find(({ medium }) => medium === encoder.medium);
+  const master = encoder.clocked ? CLOCKED : ENCODERS.find(({ model }) => model === same.model);
+  return { ...master, model: encoder.model, title: "Yours", name: encoder.model, what: `The encoder of your text: ${encoder.model}, ${encoder.what}.` };
+}
+
 // Each encoder of the playground, in the order of the tabs: its model, what it is called, what is drawn of it (`drawing`,
 // of view.js), and what its master can do. `ask` is what is repeated, `look` tells of an error; a form is its fields, the
 // text of its button, and what is done with the fields' values; `master` makes one that has a state of its own.

@@ -85,21 +85,31 @@ export class Page {
   // ---------------------------------------------------------------- tabs
 
   tabs(panels) {
-    this.panels = panels;
-    $("tabs").replaceChildren(...panels.map((panel) => panel.tab));
-    $("panels").replaceChildren(...panels.map((panel) => panel.node));
-    panels.forEach((panel, i) => {
-      panel.tab.addEventListener("click", () => this.show(panel));
-      panel.tab.addEventListener("keydown", (event) => {
-        const step = { ArrowRight: 1, ArrowLeft: -1 }[event.key];
-        if (step) {
-          const next = panels.at((i + step) % panels.length);
-          this.show(next);
-          next.tab.focus();
-        }
-      });
-    });
+    $("tabs").replaceChildren();
+    $("panels").replaceChildren();
+    panels.forEach((panel) => this.addTab(panel));
     this.show(panels[0]);
+  }
+
+  addTab(panel) {
+    this.panels.push(panel);
+    $("tabs").append(panel.tab);
+    $("panels").append(panel.node);
+    panel.tab.addEventListener("click", () => this.show(panel));
+    panel.tab.addEventListener("keydown", (event) => {
+      const step = { ArrowRight: 1, ArrowLeft: -1 }[event.key];
+      if (step) {
+        const next = this.panels.at((this.panels.indexOf(panel) + step) % this.panels.length);
+        this.show(next);
+        next.tab.focus();
+      }
+    });
+  }
+
+  removeTab(panel) {
+    this.panels = this.panels.filter((one) => one !== panel);
+    panel.tab.remove();
+    panel.node.remove();
   }
 
   show(shown) {

@@ -6,6 +6,12 @@ const EVENT = { size: 32, at: 0, id: 8, kind: 14, length: 15, data: 16 };
 const FAULT = { size: 48, name: 0, cause: 32, effect: 36, active: 40 };
 const KIND = { bytes: 1, can: 2, edge: 4 };
 const MEDIUM = { characters: 0, frames: 1, edges: 2, words: 3 };
+// struct dg_host_frame.
+const FRAME = { end: 8, bits: 16, position: 24, count: 40, error: 41, warning: 42, good: 43 };
+// struct web_source of page_models.c, and memory for what is read: what is longer is asked for anew.
+const SOURCE = { text: 0, n: 4, memory: 8, size: 12, wrong: 16, all: 16 + 1024 };
+const READ_MIN = 1 << 18;
+const READ_MAX = 1 << 26;
 const RUN = 16;
 const REPLY_NS = 100_000_000n;
 const ANSWER = 32768;
@@ -18,14 +24,15 @@ export const SECOND = 1_000_000_000n;
 export const unsigned = (value) => BigInt.asUintN(64, value);
 
 export class Encoder {
-  constructor(rig, model, image) {
+  constructor(rig, device, image) {
     this.rig = rig;
     this.engine = rig.engine;
     this.c = rig.engine.c;
-    this.model = model;
-    const [name] = this.engine.spell(model);
-    this.words = this.engine.place(this.c.web_words_size(name));
-    this.c.web_words_init(this.words, name);
+    this.device = device;
+    this.model = this.engine.text(this.c.web_device_name(device));
+    this.what = this.engine.text(this.c.web_device_what(device));
+    this.words = this.engine.place(this.c.web_words_size(device));
+    this.c.web_words_init(this.words, device);
     this.event = this.engine.place(EVENT.size);
     this.faultAt = this.engine.place(FAULT.size);
     this.raw = { true: [], false: [] };
@@ -34,16 +41,16 @@ export class Encoder {
     this.edges = [];
     this.make();
     if (image && !this.starts(image)) {
-      this.refused = `${model} does not start with the EEPROM that was kept here: it is as delivered`;
+      this.refused = `${this.model} does not start with the EEPROM that was kept here: it is as delivered`;
       this.make();
     }
     this.starts(null);
     this.medium = this.c.dg_host_medium(this.host);
     this.key = this.engine.text(this.c.dg_host_protocol(this.host));
     if (!Object.values(MEDIUM).includes(this.medium)) {
-      throw new Error(`${model} speaks ${this.key}: this page does not know its wire`);
+      throw new Error(`${this.model} speaks ${this.key}: this page does not know its wire`);
     }
-    this.c.dg_host_step(this.host, SECOND);
+    this.c.dg_host_step(this.host, rig.now);
     while (this.receive() !== null);
     const size = this.c.dg_host_panel_size();
     this.panel = this.c.dg_host_panel_make(this.engine.place(size), size, this.host);
@@ -54,12 +61,11 @@ export class Encoder {
   }
 
   make() {
-    const [name] = this.engine.spell(this.model);
-    const size = this.c.dg_host_size_of(name);
-    this.host = this.c.dg_host_make(this.engine.place(size), size, name);
+    const size = this.c.web_host_size(this.device);
+    this.host = this.c.web_host_make(this.engine.place(size), size, this.device);
   }
 
-  // On since second 0, with this image or, unless it is on, as delivered.
+  // On for a second, with this image or, unless it is on, as delivered.
   starts(image) {
     if (image) {
       const { scratch } = this.engine;
@@ -68,13 +74,17 @@ export class Encoder {
         return false;
       }
     }
-    return this.powered || this.c.dg_host_power(this.host, 0n, 1) === 0;
+    return this.powered || this.c.dg_host_power(this.host, this.rig.now - SECOND, 1) === 0;
   }
 
   get memory() {
     const n = this.c.dg_host_memory_size(this.host);
     this.engine.checked(this.c.dg_host_memory_copy(this.host, this.engine.scratch, n), "EEPROM");
     return this.engine.bytes(this.engine.scratch, n).slice();
+  }
+
+  get clocked() {
+    return this.medium === MEDIUM.edges;
   }
 
   get powered() {
@@ -215,6 +225,23 @@ export class Encoder {
     return id;
   }
 
+  // Clocked wires: a frame as the library's own master reads it, of any form.
+  read() {
+    const { scratch, view } = this.engine;
+    this.engine.checked(this.c.dg_host_frame(this.host, this.rig.now, scratch), "the frame");
+    const byte = (at) => view.getUint8(scratch + at);
+    const count = byte(FRAME.count);
+    this.lastBits = view.getBigUint64(scratch + FRAME.bits, true).toString(2).padStart(count, "0");
+    const [error, warning, good] = [byte(FRAME.error), byte(FRAME.warning), byte(FRAME.good)];
+    const flags = [[error, "error"], [warning, "warning"], [!good, "check sum wrong"]];
+    const told = flags.filter(([is]) => is).map(([, word]) => word);
+    const position = view.getBigUint64(scratch + FRAME.position, true);
+    const end = view.getBigUint64(scratch + FRAME.end, true);
+    this.note([`position ${position}`, ...told].join(", "), true, error || !good ? "error" : warning ? "warning" : "ok");
+    this.rig.advance(end > this.rig.now ? end - this.rig.now : 0n);
+    return this.lastBits;
+  }
+
   // BiSS: the clock at a level from then on.
   clock(at, level) {
     return this.engine.checked(this.c.dg_host_clock(this.host, at, level), "the clock");
@@ -325,16 +352,50 @@ export class Rig {
     engine.line = (wire, line) => this.encoders.find((one) => one.words === wire).said(line);
     this.encoders = [];
     for (const model of models) {
-      this.encoders.push(new Encoder(this, model, images[model]));
+      const [name] = engine.spell(model);
+      this.encoders.push(new Encoder(this, this.c.web_device(name), images[model]));
     }
     // The first one's shaft is everybody's; theirs follow, so that SHAFt:POSition? is right at each of them.
     this.shaft = this.c.dg_host_panel_shaft(this.encoders[0].panel);
-    for (const encoder of this.encoders.slice(1)) {
-      engine.checked(
-        this.c.dg_shaft_couple(this.c.dg_host_panel_shaft(encoder.panel), this.shaft, 1, 1),
-        "the shaft",
-      );
+    this.encoders.slice(1).forEach((encoder) => this.couple(encoder));
+  }
+
+  couple(encoder) {
+    this.engine.checked(this.c.dg_shaft_couple(this.c.dg_host_panel_shaft(encoder.panel), this.shaft, 1, 1), "the shaft");
+  }
+
+  // The model of a text, or of an EDS file: what begins no [model] is one.
+  readModel(text) {
+    const { engine } = this;
+    const bytes = new TextEncoder().encode(text);
+    const source = engine.place(SOURCE.all);
+    const at = engine.place(bytes.length);
+    const [name] = engine.spell(/^[ \t]*\[model\s/m.test(text) ? "text.ini" : "text.eds");
+    for (let size = READ_MIN; size <= READ_MAX; size *= 4) {
+      const memory = engine.place(size);
+      engine.bytes(at, bytes.length).set(bytes);
+      [[SOURCE.text, at], [SOURCE.n, bytes.length], [SOURCE.memory, memory], [SOURCE.size, size]].forEach(
+        ([member, value]) => engine.view.setUint32(source + member, value, true));
+      const device = this.c.web_device_read(source, name);
+      const wrong = engine.text(source + SOURCE.wrong);
+      if (wrong) {
+        throw new Error(wrong);
+      }
+      if (device) {
+        return device;
+      }
     }
+    throw new Error("too long for this page");
+  }
+
+  // The user's encoder, in the place of the one before: on the same shaft from now on.
+  own(text) {
+    const encoder = new Encoder(this, this.readModel(text), null);
+    encoder.key = "own";
+    this.couple(encoder);
+    this.encoders = [...this.encoders.filter(({ key }) => key !== "own"), encoder];
+    this.advance(0n);
+    return encoder;
   }
 
   encoder(key) {

@@ -46,6 +46,13 @@ const DRAWINGS = {
     },
     draw: (panel) => panel.drawWords(),
   },
+  bits: {
+    parts: (panel) => {
+      panel.extra = make("ol", { className: "bits", "aria-label": "Bits of the frame" });
+      return [panel.caption, panel.extra];
+    },
+    draw: (panel) => panel.drawBits(),
+  },
 };
 
 export class Panel {
@@ -289,9 +296,21 @@ export class Panel {
       return;
     }
     this.drawn = bytes;
-    this.caption.textContent = `IN ${hex(bytes)}`;
-    const bits = [...bytes].flatMap((byte) => Array.from({ length: 8 }, (_, i) => (byte >> (7 - i)) & 1));
-    this.extra.replaceChildren(...bits.map((bit, i) => make("li", { className: bit ? "one" : "", title: `bit ${bits.length - 1 - i}` }, String(bit))));
+    this.listBits([...bytes].map((byte) => byte.toString(2).padStart(8, "0")).join(""), `IN ${hex(bytes)}`);
+  }
+
+  drawBits() {
+    const bits = this.encoder.lastBits;
+    if (bits !== this.drawn && bits) {
+      this.drawn = bits;
+      this.listBits(bits, `${bits.length} bits`);
+    }
+  }
+
+  listBits(bits, caption) {
+    this.caption.textContent = caption;
+    this.extra.replaceChildren(...[...bits].map((bit, i) =>
+      make("li", { className: bit === "1" ? "one" : "", title: `bit ${bits.length - 1 - i}` }, bit)));
   }
 
   // What is looked at some times in a second.

@@ -436,6 +436,88 @@ def test_it_stands_for_those_who_want_less_motion(visit, server):
     assert page.evaluate("drehgeber.rig.speed") == 0
 
 
+LA26 = "[model la26]\nbase = s3674-biss\nst = 26\nlc = 0\n"
+WORD40 = """[model wide]
+base = ssi-25
+[model word40]
+base = wide
+mt = 16
+st = 20
+code = binary
+error_bit = high
+parity = even
+frame = 0 P E Y 1
+"""
+ACME = """[DeviceInfo]
+ProductName=Acme
+[DeviceComissioning]
+NodeID=0x21
+[1000]
+DataType=7
+DefaultValue=0x00010196
+[6004]
+DataType=7
+[6501]
+DataType=7
+DefaultValue=3600
+"""
+
+
+def put_in(page, text):
+    """The text of an encoder; what is wrong with it."""
+    if not page.locator("#own").is_visible():
+        page.click("details.own summary")
+    page.fill("#own-text", text)
+    page.click("#own button[type=submit]")
+    return page.inner_text("#own-wrong") if page.locator("#own-wrong").is_visible() else None
+
+
+@pytest.mark.parametrize("text, name, said, bits", [
+    (LA26, "la26", "position 16777216", 34), (WORD40, "word40", "position 262144", 40)])
+def test_a_text_is_an_encoder(still, text, name, said, bits):
+    """At a quarter turn, and a while later than the others were switched on."""
+    let_pass(still, 3_000_000_000)
+    still.fill("#target", "90")
+    still.click("#be")
+    assert put_in(still, text) is None
+    assert still.inner_text("#tab-own small") == name
+    assert still.get_attribute("#tab-own", "aria-selected") == "true"
+    press(still, "own", "Frame")
+    assert still.locator("#panel-own .log .words").last.inner_text() == said
+    still.wait_for_function("(n) => document.querySelectorAll('#panel-own .bits li').length === n", arg=bits)
+    still.locator("#panel-own").get_by_label("Search the faults").wait_for()
+
+
+def test_an_eds_file_is_an_encoder(still):
+    """It takes the place of the text that was there before, and answers as its file says."""
+    assert put_in(still, LA26) is None
+    assert put_in(still, ACME) is None
+    assert still.locator("#tabs [role=tab]").count() == len(PANELS) + 1
+    still.fill("#target", "90")
+    still.click("#be")
+    let_pass(still, 10_000_000)
+    still.wait_for_function("document.querySelector('#tab-own b').textContent === '900'")
+    still.locator("#panel-own").get_by_label("Index").fill("6501")
+    still.locator("#panel-own").get_by_label("Sub").fill("0")
+    press(still, "own", "Read")
+    assert bytes_of_last(still, "own") == "43016500100e0000"
+    still.focus("#tab-own")
+    still.keyboard.press("ArrowRight")
+    assert still.get_attribute("#tab-hiperface", "aria-selected") == "true"
+
+
+@pytest.mark.parametrize("text, wrong", [
+    (LA26.replace("26\n", "99\n"), "line 3: st 99: a number in 8..32 is right"),
+    (LA26.replace("s3674-biss", "nobody"), "line 2: base: nobody is none; right is one of:"),
+    ("st = 26\n", "no object"), ("", "no object"), ("[1000]\nDataType=0x1B\n", "no object that can be read")])
+def test_what_is_wrong_in_a_text_is_told(still, text, wrong):
+    """And the encoder of the text before stays."""
+    assert put_in(still, LA26) is None
+    assert put_in(still, text).startswith(wrong)
+    assert still.inner_text("#tab-own small") == "la26"
+    assert put_in(still, LA26) is None
+
+
 def test_three_things_to_try(still):
     """60 rpm each way; error 1Dh of a worn LED; no power, and the position again without a turn."""
     still.click("#try-turn")
