@@ -232,8 +232,10 @@ static void put_file(const struct dg_co_file *file, const char *symbol)
 int model_eds_check(const struct dg_cia406_file *self, const char *path)
 {
     for (uint16_t i = 0; i < self->file.device.dictionary.count; i++) {
-        const uint32_t key = self->file.device.dictionary.rows[i].key;
-        if (dg_co_row_hook_of(&self->file, i) == DG_CO_ROW_HOOK_COUNT) {
+        const struct dg_co_row *row = &self->file.device.dictionary.rows[i];
+        const uint32_t key = row->key;
+        const bool served = (row->flags & DG_CO_RW) != 0; /* by rows, and by nothing behind them */
+        if (!served || dg_co_row_hook_of(&self->file, i) == DG_CO_ROW_HOOK_COUNT) {
             lx_complain("%s: C has no row for %04" PRIX32 "h:%" PRIu32 "; leave it out", path,
                         key >> 16, key >> 8 & 0xFFu);
             return EXIT_USAGE;
