@@ -584,6 +584,9 @@ struct dg_co_words {
  * CiA 305. `self` is a struct dg_co_words. An object file of its own. */
 DG_API void dg_co_words_event(void *self, const struct dg_tap_event *event,
                               const struct dg_words_to *to);
+/** dg_words.side: who sends a frame, on a wire with a node of that number; 0: any.
+ * @return enum dg_words_side */
+DG_API int dg_co_words_side(const struct dg_tap_event *event, uint32_t node);
 
 #ifdef __cplusplus
 }

@@ -39,6 +39,17 @@ struct dg_words_line {
     enum dg_severity severity;
     const char *text;
     bool whole; /**< it ends with the event that is being told; else it has ended before */
+    /** Chapter of the manual or standard that says what this is, e.g. "5.1.2.1", for as long as the
+     * library; NULL: none does. */
+    const char *clause;
+};
+
+/** Who sends something, for readers of recordings that do not tell. */
+enum dg_words_side {
+    DG_WORDS_AS_TOLD, /**< it does not say: as event->ours has it */
+    DG_WORDS_MASTER,
+    DG_WORDS_ENCODER, /**< the encoder with that address */
+    DG_WORDS_OTHER,   /**< for or of an encoder with another address */
 };
 
 /** Where lines go. */
@@ -58,6 +69,10 @@ struct dg_words {
     /** It is `now`, all events up to then were told: up to one line. @return when to call again;
      * DG_NEVER. NULL as operation: no line waits for time to pass */
     dg_ns (*step)(void *self, dg_ns now, const struct dg_words_to *to);
+    /** Who sends this frame, or the message that begins with this character, on a wire with an
+     * encoder at `address`; 0: whatever its address. NULL: nothing on this wire says that.
+     * @return enum dg_words_side */
+    int (*side)(const struct dg_tap_event *event, uint32_t address);
 };
 
 /** A wire that is told in words. */
@@ -89,6 +104,7 @@ struct dg_words_draft {
     struct dg_text text;
     enum dg_severity severity;
     bool whole;                   /**< the event at hand is the last one of what it tells */
+    const char *clause;           /**< as in the line; NULL */
     char room[DG_WORDS_MAX + 1u]; /**< a character more than a line has: then it is cut */
 };
 

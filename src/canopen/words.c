@@ -257,6 +257,7 @@ static void add_abort(const struct told *self)
 {
     const uint32_t code = dg_load_le32(self->frame->data + 4);
 
+    self->to->clause = "CiA 301 7.2.4.3.17";
     judge(self, DG_SEVERITY_ERROR);
     add_object(self);
     add_code(self, ": ", code, 8);
@@ -478,26 +479,28 @@ static const struct service {
     uint16_t base;
     uint8_t nodes;
     uint8_t least; /* length of the data */
+    bool reply;    /* an encoder sends it */
+    const char *clause;
     const char *name;
     void (*add)(const struct told *self);
 } services[] = {
-    {0x000, 0,     2, "NMT",       add_nmt},
-    {0x080, 0,     0, "SYNC",      add_sync},
-    {0x080, NODES, 3, "EMCY",      add_emcy},
-    {0x100, 0,     6, "TIME",      add_time},
-    {0x180, NODES, 0, "TPDO1",     add_pdo},
-    {0x200, NODES, 0, "RPDO1",     add_pdo},
-    {0x280, NODES, 0, "TPDO2",     add_pdo},
-    {0x300, NODES, 0, "RPDO2",     add_pdo},
-    {0x380, NODES, 0, "TPDO3",     add_pdo},
-    {0x400, NODES, 0, "RPDO3",     add_pdo},
-    {0x480, NODES, 0, "TPDO4",     add_pdo},
-    {0x500, NODES, 0, "RPDO4",     add_pdo},
-    {0x580, NODES, 8, "SDO",       add_sdo_reply},
-    {0x600, NODES, 8, "SDO",       add_sdo_request},
-    {0x700, NODES, 1, "heartbeat", add_heartbeat},
-    {0x7E4, 0,     8, "LSS",       add_lss_reply},
-    {0x7E5, 0,     8, "LSS",       add_lss_request},
+    {0x000, 0,     2, false, "CiA 301 7.2.8", "NMT",       add_nmt},
+    {0x080, 0,     0, false, "CiA 301 7.2.5", "SYNC",      add_sync},
+    {0x080, NODES, 3, true,  "CiA 301 7.2.7", "EMCY",      add_emcy},
+    {0x100, 0,     6, false, "CiA 301 7.2.6", "TIME",      add_time},
+    {0x180, NODES, 0, true,  "CiA 301 7.2.2", "TPDO1",     add_pdo},
+    {0x200, NODES, 0, false, "CiA 301 7.2.2", "RPDO1",     add_pdo},
+    {0x280, NODES, 0, true,  "CiA 301 7.2.2", "TPDO2",     add_pdo},
+    {0x300, NODES, 0, false, "CiA 301 7.2.2", "RPDO2",     add_pdo},
+    {0x380, NODES, 0, true,  "CiA 301 7.2.2", "TPDO3",     add_pdo},
+    {0x400, NODES, 0, false, "CiA 301 7.2.2", "RPDO3",     add_pdo},
+    {0x480, NODES, 0, true,  "CiA 301 7.2.2", "TPDO4",     add_pdo},
+    {0x500, NODES, 0, false, "CiA 301 7.2.2", "RPDO4",     add_pdo},
+    {0x580, NODES, 8, true,  "CiA 301 7.2.4", "SDO",       add_sdo_reply},
+    {0x600, NODES, 8, false, "CiA 301 7.2.4", "SDO",       add_sdo_request},
+    {0x700, NODES, 1, true,  "CiA 301 7.2.8", "heartbeat", add_heartbeat},
+    {0x7E4, 0,     8, true,  "CiA 305",       "LSS",       add_lss_reply},
+    {0x7E5, 0,     8, false, "CiA 305",       "LSS",       add_lss_request},
 };
 /* clang-format on */
 
@@ -533,6 +536,7 @@ static void add_frame(const struct told *self)
 
     told.node = row != NULL && row->nodes > 0 ? (uint8_t)(frame->id - row->base) : 0;
     add_head(&told, row);
+    told.to->clause = row == NULL ? NULL : row->clause;
     if (frame->rtr) {
         add(&told, " requested");
     } else if (row != NULL && frame->dlc >= row->least) {
@@ -556,4 +560,17 @@ void dg_co_words_event(void *self, const struct dg_tap_event *event, const struc
     dg_words_begin(&draft);
     add_frame(&(struct told){&frame, 0, self, &draft});
     dg_words_give(&draft, event->at, event->ours, to);
+}
+
+/* A frame of nobody's service, and one of another node's, is for none. Only nodes that have a
+   number have services at it, and masters alone ask by remote frames. */
+int dg_co_words_side(const struct dg_tap_event *event, uint32_t node)
+{
+    const struct dg_can_frame *frame = &event->frame;
+    const struct service *row = find_service(frame->id);
+
+    if (row == NULL || (node != 0 && row->nodes > 0 && frame->id != row->base + node)) {
+        return DG_WORDS_OTHER;
+    }
+    return row->reply && !frame->rtr ? DG_WORDS_ENCODER : DG_WORDS_MASTER;
 }

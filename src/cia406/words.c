@@ -11,4 +11,5 @@ const struct dg_words dg_cia406_words = {
     .stack = &dg_cia406_stack,
     .size = sizeof(struct dg_co_words),
     .event = dg_co_words_event,
+    .side = dg_co_words_side,
 };

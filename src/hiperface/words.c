@@ -44,28 +44,29 @@ struct hf_words {
 static const struct command {
     uint8_t code;
     uint8_t severity; /* of the request */
+    const char *clause;
     const char *request;
     const char *reply;
 } commands[] = {
-    {0x42, OK,     "read position",                                        "position @4"},
-    {0x43, NOTICE, "set position @4, code #1",                             "position set"},
-    {0x44, OK,     "read analog value #1",                                 "analog value #1: %2"},
-    {0x46, OK,     "read counter",                                         "counter @3"},
-    {0x47, OK,     "increment counter",                                    "counter incremented"},
-    {0x49, NOTICE, "erase counter, code #1",                               "counter erased"},
-    {0x4A, OK,     "read data field #1 offset #1 count @1, code #1",       "data field #1 offset #1 count @1:&"},
-    {0x4B, OK,     "save data field #1 offset #1 count @1, code #1:&",     "data field #1 offset #1 count @1 saved"},
-    {0x4C, OK,     "determine data field status #1",                       "data field #1 status #1"},
-    {0x4D, NOTICE, "create data field #1 status #1, code #1",              "data field #1 created, status #1"},
-    {0x4E, OK,     "determine available memory area",                      "memory blocks free @1, data fields @1"},
-    {0x4F, NOTICE, "modify access key @1 from #1 to #1",                   "access key @1 modified"},
-    {0x50, OK,     "read encoder status",                                  "status"},
-    {0x52, OK,     "read type label",                                      "type label: UART #1, type #1, memory blocks @1, option #1"},
-    {0x53, NOTICE, "reset encoder",                                        "encoder reset"},
-    {0x55, NOTICE, "assign address #1, code #1",                           "address assigned"},
-    {0x56, OK,     "read serial number and version",                       "serial number $9, version $20, date $8"},
-    {0x57, NOTICE, "configure serial interface #1, code #1",               "serial interface #1"},
-    {0x6A, NOTICE, "set position with synchronization @4, code #1",        "position @4"},
+    {0x42, OK,     "5.1.2.1",  "read position",                                        "position @4"},
+    {0x43, NOTICE, "5.1.2.2",  "set position @4, code #1",                             "position set"},
+    {0x44, OK,     "5.1.2.3",  "read analog value #1",                                 "analog value #1: %2"},
+    {0x46, OK,     "5.1.2.4",  "read counter",                                         "counter @3"},
+    {0x47, OK,     "5.1.2.5",  "increment counter",                                    "counter incremented"},
+    {0x49, NOTICE, "5.1.2.6",  "erase counter, code #1",                               "counter erased"},
+    {0x4A, OK,     "5.1.2.7",  "read data field #1 offset #1 count @1, code #1",       "data field #1 offset #1 count @1:&"},
+    {0x4B, OK,     "5.1.2.8",  "save data field #1 offset #1 count @1, code #1:&",     "data field #1 offset #1 count @1 saved"},
+    {0x4C, OK,     "5.1.2.9",  "determine data field status #1",                       "data field #1 status #1"},
+    {0x4D, NOTICE, "5.1.2.10", "create data field #1 status #1, code #1",              "data field #1 created, status #1"},
+    {0x4E, OK,     "5.1.2.11", "determine available memory area",                      "memory blocks free @1, data fields @1"},
+    {0x4F, NOTICE, "5.1.2.12", "modify access key @1 from #1 to #1",                   "access key @1 modified"},
+    {0x50, OK,     "5.1.2.13", "read encoder status",                                  "status"},
+    {0x52, OK,     "5.1.2.14", "read type label",                                      "type label: UART #1, type #1, memory blocks @1, option #1"},
+    {0x53, NOTICE, "5.1.2.15", "reset encoder",                                        "encoder reset"},
+    {0x55, NOTICE, "5.1.2.16", "assign address #1, code #1",                           "address assigned"},
+    {0x56, OK,     "5.1.2.17", "read serial number and version",                       "serial number $9, version $20, date $8"},
+    {0x57, NOTICE, "5.1.2.18", "configure serial interface #1, code #1",               "serial interface #1"},
+    {0x6A, NOTICE, "5.1.2.19", "set position with synchronization @4, code #1",        "position @4"},
 };
 
 /* Status messages, 5.1.3. */
@@ -225,6 +226,7 @@ static const struct command *find_command(uint8_t code)
 static void add_status(struct dg_words_draft *draft, uint8_t code)
 {
     if (code != 0) {
+        draft->clause = "5.1.3";
         dg_words_judge(draft, DG_SEVERITY_ERROR);
         dg_text_add(&draft->text, "error ");
         dg_words_add_code(draft, code, 2);
@@ -239,6 +241,7 @@ static void add_command(struct dg_words_draft *draft, bool reply, uint8_t code, 
 
     dg_words_add_code(draft, code, 2);
     dg_text_add(&draft->text, " ");
+    draft->clause = command == NULL ? "5.1.1.2" : command->clause;
     if (command == NULL) {
         dg_words_judge(draft, DG_SEVERITY_WARNING);
         dg_text_add(&draft->text, "unknown command");
@@ -255,6 +258,7 @@ static void add_command(struct dg_words_draft *draft, bool reply, uint8_t code, 
 
 static void add_wrong(struct dg_words_draft *draft, const char *text)
 {
+    draft->clause = "5.1.1.1";
     dg_words_judge(draft, DG_SEVERITY_ERROR);
     dg_text_add(&draft->text, text);
 }
@@ -378,9 +382,20 @@ static dg_ns tell_time(void *memory, dg_ns now, const struct dg_words_to *to)
     return self->length > 0 ? wait_end(self) : DG_NEVER;
 }
 
+/* A request begins with the address of its encoder or that of all, a reply with the encoder's own.
+ */
+static int find_side(const struct dg_tap_event *event, uint32_t address)
+{
+    const uint8_t first = event->character.byte;
+
+    return address == 0 || first == address || first == BROADCAST ? DG_WORDS_AS_TOLD
+                                                                  : DG_WORDS_OTHER;
+}
+
 const struct dg_words dg_hf_words = {
     .stack = &dg_hf_stack,
     .size = sizeof(struct hf_words),
     .event = tell_event,
     .step = tell_time,
+    .side = find_side,
 };

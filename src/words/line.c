@@ -14,6 +14,7 @@ void dg_words_begin(struct dg_words_draft *self)
     self->text = dg_text_in(self->room, sizeof self->room);
     self->severity = DG_SEVERITY_OK;
     self->whole = false;
+    self->clause = NULL;
 }
 
 void dg_words_judge(struct dg_words_draft *self, enum dg_severity severity)
@@ -45,7 +46,14 @@ void dg_words_add_code(struct dg_words_draft *self, uint32_t code, unsigned digi
 void dg_words_give(struct dg_words_draft *self, dg_ns at, bool ours, const struct dg_words_to *to)
 {
     static const char cut[] = "...";
-    const struct dg_words_line line = {at, ours, self->severity, self->room, self->whole};
+    const struct dg_words_line line = {
+        .at = at,
+        .ours = ours,
+        .severity = self->severity,
+        .text = self->room,
+        .whole = self->whole,
+        .clause = self->clause,
+    };
 
     if (self->text.length >= DG_WORDS_MAX) {
         memcpy(self->room + DG_WORDS_MAX - sizeof cut, cut, sizeof cut);

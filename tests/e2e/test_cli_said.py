@@ -50,6 +50,7 @@ eds --help
 ctl --help
 top --help
 web --help
+explain --help
 list --help
 faults --help
 help help

@@ -12,7 +12,8 @@ from rig import MULTITURN, PATIENCE_S, PROGRAM, REPOSITORY, run
 
 MAN = REPOSITORY / "tools/man"
 COMPLETION = REPOSITORY / "tools/completion"
-COMMANDS = ["list", "faults", "run", "eds", "check", "model", "biss", "ssi", "map", "fmu", "ctl", "top", "web", "help"]
+COMMANDS = ["list", "faults", "run", "eds", "check", "model", "biss", "ssi", "map", "fmu", "ctl", "top", "web", "explain",
+            "help"]
 PAGES = ["drehgeber.1", *(f"drehgeber-{command}.1" for command in COMMANDS)]
 
 
@@ -47,7 +48,7 @@ def test_a_page_has_what_help_has():
     options = set(re.findall(r"--[a-z]+(?:\[=\w+\]|=\S+)?(?=  )", said))
     assert len(options) > 15
     for option in options - {"--json", "--explain", "--output=FILE", "--fmi=VERSION", "--listen=HOST:PORT", "--token=FILE", "--watch",
-                             "--timeout=SPAN"}:
+                             "--timeout=SPAN", "--against=MODEL", "--address=N"}:
         assert option in text, option
     keys = set(re.findall(r"^  ([a-z]+_[a-z_]+)  ", said, re.M))
     assert len(keys) > 20
@@ -97,6 +98,8 @@ def bash(line, folder):
     ("drehgeber run s3684-rs485 --shaft ", ["60RPM", "90DEG"], []),
     ("drehgeber map --ring ocd-ib-k", ["ocd-ib-k1", "ocd-ib-k2"], []),
     ("drehgeber top ", ["unix:"], []),
+    ("drehgeber explain o", ["other.txt"], ["ocd-ib-k1"]),
+    ("drehgeber explain other.txt --against f", ["f3658", "f3668"], []),
     ("drehgeber --", ["--help", "--version"], []),
     ("drehgeber list --", ["--json", "--help"], ["--pty="]),
 ])

@@ -61,6 +61,7 @@ ALLOWED = {
     "tests/e2e/strangers/test_command.py": COMMAND,
     "tests/e2e/test_access.py": NAMED,
     "tests/e2e/test_cli.py": COMMAND,
+    "tests/e2e/test_explain.py": COMMAND,
     "tests/e2e/test_files.py": NAMED,
     "tests/e2e/test_golden.py": COMMAND,
     "tests/e2e/test_models.py": COMMAND,

@@ -18,6 +18,7 @@ static void on_line(void *ctx, const struct dg_words_line *line)
     self->at = line->at;
     self->ours = line->ours;
     self->severity = line->severity;
+    self->clause = line->clause;
     (void)strcpy(self->text, line->text);
 }
 

@@ -21,6 +21,7 @@ struct words_rig {
     dg_ns at;       /**< of the last one; likewise the others */
     bool ours;
     enum dg_severity severity;
+    const char *clause;
     char text[DG_WORDS_MAX];
     union {
         max_align_t align;

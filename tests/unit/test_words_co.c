@@ -268,6 +268,49 @@ static void block_transfers(void **state)
     }
 }
 
+/* By the predefined connection set: who sends a frame, and the chapter that says what it is. */
+static void frames_have_a_sender_and_a_chapter(void **state)
+{
+    static const struct {
+        uint16_t id;
+        bool rtr;
+        enum dg_words_side side; /* for node 5 */
+        const char *clause;
+    } rows[] = {
+        {0x000, false, DG_WORDS_MASTER, "CiA 301 7.2.8"},
+        {0x080, false, DG_WORDS_MASTER, "CiA 301 7.2.5"},
+        {0x085, false, DG_WORDS_ENCODER, "CiA 301 7.2.7"},
+        {0x100, false, DG_WORDS_MASTER, "CiA 301 7.2.6"},
+        {0x185, false, DG_WORDS_ENCODER, "CiA 301 7.2.2"},
+        {0x205, false, DG_WORDS_MASTER, "CiA 301 7.2.2"},
+        {0x485, false, DG_WORDS_ENCODER, "CiA 301 7.2.2"},
+        {0x585, false, DG_WORDS_ENCODER, "CiA 301 7.2.4"},
+        {0x605, false, DG_WORDS_MASTER, "CiA 301 7.2.4"},
+        {0x586, false, DG_WORDS_OTHER, "CiA 301 7.2.4"},
+        {0x705, false, DG_WORDS_ENCODER, "CiA 301 7.2.8"},
+        {0x705, true, DG_WORDS_MASTER, "CiA 301 7.2.8"},
+        {0x7E4, false, DG_WORDS_ENCODER, "CiA 305"},
+        {0x7E5, false, DG_WORDS_MASTER, "CiA 305"},
+    };
+    struct words_rig rig;
+    (void)state;
+    words_rig_init(&rig, &dg_cia406_words);
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
+        const struct dg_tap_event event = {
+            .kind = DG_TAP_FRAME,
+            .frame = {.id = rows[i].id, .rtr = rows[i].rtr, .dlc = 8},
+        };
+        dg_words_event(&rig.wire, &event);
+        assert_string_equal(rig.clause, rows[i].clause);
+        assert_int_equal(dg_cia406_words.side(&event, 5), rows[i].side);
+        assert_int_not_equal(dg_cia406_words.side(&event, 0), DG_WORDS_OTHER);
+    }
+    say_can(&rig, 0x585, "80 34 12 00 00 00 02 06");
+    assert_string_equal(rig.clause, "CiA 301 7.2.4.3.17");
+    say_can(&rig, 0x7FF, "00");
+    assert_null(rig.clause);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -275,6 +318,7 @@ int main(void)
         cmocka_unit_test(every_service_of_lss_and_every_abort_has_its_words),
         cmocka_unit_test(remote_frames),
         cmocka_unit_test(block_transfers),
+        cmocka_unit_test(frames_have_a_sender_and_a_chapter),
     };
     return cmocka_run_group_tests_name("words_co", tests, NULL, NULL);
 }

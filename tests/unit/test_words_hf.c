@@ -265,6 +265,45 @@ static void other_events_are_left_alone(void **state)
     assert_int_equal(rig.count, 0);
 }
 
+/* Of commands, errors, and of frames that are none. */
+static void lines_name_their_chapter(void **state)
+{
+    static const struct {
+        bool ours;
+        const char *hex;
+        const char *clause;
+    } rows[] = {
+        {false, "40 42 02", "5.1.2.1"},
+        {true, "40 42 00 00 30 39 0B", "5.1.2.1"},
+        {true, "40 50 00 10", "5.1.2.13"},
+        {true, "40 50 0D 1D", "5.1.3"},
+        {false, "40 6A 00 00 00 00 55 7F", "5.1.2.19"},
+        {false, "40 99 01 D8", "5.1.1.2"},
+        {false, "40 42 03", "5.1.1.1"},
+        {false, "40", "5.1.1.1"},
+    };
+    (void)state;
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
+        struct words_rig rig;
+        words_rig_init(&rig, &dg_hf_words);
+        const dg_ns end = say(&rig, DG_MS(5), rows[i].ours, rows[i].hex);
+        (void)dg_words_step(&rig.wire, end + DG_S(1));
+        assert_non_null(rig.clause);
+        assert_string_equal(rig.clause, rows[i].clause);
+    }
+}
+
+static void frames_for_other_addresses_are_known(void **state)
+{
+    struct dg_tap_event event = character(0, false, 0x40);
+    (void)state;
+    assert_int_equal(dg_hf_words.side(&event, 0x40), DG_WORDS_AS_TOLD);
+    assert_int_equal(dg_hf_words.side(&event, 0x41), DG_WORDS_OTHER);
+    assert_int_equal(dg_hf_words.side(&event, 0), DG_WORDS_AS_TOLD);
+    event.character.byte = 0xFF;
+    assert_int_equal(dg_hf_words.side(&event, 0x41), DG_WORDS_AS_TOLD);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -274,6 +313,8 @@ int main(void)
         cmocka_unit_test(characters_in_a_bunch_are_a_frame),
         cmocka_unit_test(damage_and_length_are_told),
         cmocka_unit_test(other_events_are_left_alone),
+        cmocka_unit_test(lines_name_their_chapter),
+        cmocka_unit_test(frames_for_other_addresses_are_known),
     };
     return cmocka_run_group_tests_name("words_hf", tests, NULL, NULL);
 }

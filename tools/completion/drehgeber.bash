@@ -4,7 +4,7 @@
 
 _drehgeber_commands()
 {
-    echo "list faults run check eds model biss ssi map fmu ctl top web help"
+    echo "list faults run check eds model biss ssi map fmu ctl top web explain help"
 }
 
 _drehgeber_models()
@@ -61,6 +61,7 @@ _drehgeber_options()
         ctl) echo " --control= --timeout= --help" ;;
         top) echo " --control= --help" ;;
         web) echo " --control= --listen= --token= --watch --help" ;;
+        explain) echo " --node= --set= --against= --address= --quiet --help" ;;
         help) echo " --help" ;;
     esac
 }
@@ -94,6 +95,8 @@ _drehgeber_kind()
         --listen) echo nothing ;;
         --token) echo file ;;
         --timeout) echo nothing ;;
+        --against) echo any ;;
+        --address) echo nothing ;;
     esac
 }
 
@@ -110,6 +113,7 @@ _drehgeber_value()
         control) words="unix: tcp:127.0.0.1:" ;;
         motion) words="0 90DEG 1REV 60RPM sine:90DEG,2S ramp:3000RPM,1S" ;;
         ring) words=$(_drehgeber_ring_models) ;;
+        any) words=$(_drehgeber_models run) ;;
         key) words=$(_drehgeber_keys "$2" | sed 's/ \([^ ]*\)/ \1=/g') ;;
     esac
     if [ -n "$words" ]; then
@@ -155,6 +159,8 @@ _drehgeber()
         mapfile -t COMPREPLY < <(compgen -W "$(_drehgeber_commands)" -- "$cur")
     elif [ "$command" = top ]; then
         _drehgeber_value control
+    elif [ "$command" = explain ]; then
+        _filedir
     elif [ -z "$model" ]; then
         mapfile -t COMPREPLY < <(compgen -W "$(_drehgeber_models "$command")" -- "$cur")
         if [ "$command" = run ]; then

@@ -137,6 +137,13 @@ const struct command_row command_rows[] = {
         .takes = " control listen token watch ",
     },
     {
+        .name = "explain",
+        .command = COMMAND_EXPLAIN,
+        .usage = "explain CAPTURE [--against=MODEL]",
+        .help = "a recording of a real conversation in words, or what a model says otherwise",
+        .takes = " against address node set quiet ",
+    },
+    {
         .name = "help",
         .command = COMMAND_HELP,
         .usage = "help [COMMAND [MODEL]]",

@@ -95,6 +95,17 @@ static const struct {
             "Whoever has the token steers the rig; with --watch they only see it.\n"
             "\n"
             "  drehgeber web --listen 127.0.0.1:0 --watch\n"},
+    {"explain",
+     "CAPTURE is a log of candump, pcapng or pcap (SocketCAN), a VCD file (RS485, BiSS,\n"
+     "SSI) or a serial log: lines 'SECONDS < BYTES' of what went to the encoder, with >\n"
+     "what came. Each message is a line: when, which way, what it means, [chapter].\n"
+     "\n"
+     "With --against the master's side is replayed into MODEL at its moments, and what\n"
+     "the encoder said otherwise is printed: bytes that came, bytes of the model.\n"
+     "Positions are taken from CAPTURE. The status is 1 when there is a difference.\n"
+     "\n"
+     "  drehgeber explain bus.log\n"
+     "  drehgeber explain bus.log --against=f3668 --node=63\n"},
     {"help", "Behind a command, --help says the same and starts nothing.\n"},
 };
 
@@ -424,7 +435,7 @@ static void print_one(const struct options *options)
         }
     } else if (uses(row, " set ")) {
         (void)printf("\n KEY=VALUE: 'drehgeber %s MODEL --help' says those of a model\n",
-                     row->name);
+                     row->command == COMMAND_EXPLAIN ? "run" : row->name);
     }
 }
 

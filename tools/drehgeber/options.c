@@ -17,8 +17,9 @@
 /* Options that only those commands have which list them in `takes`. */
 static bool of_few(const struct argp_option *option)
 {
-    static const int keys[] = {KEY_JSON,  KEY_EXPLAIN, KEY_OUTPUT,  KEY_FMI, KEY_LISTEN,
-                               KEY_TOKEN, KEY_WATCH,   KEY_TIMEOUT, KEY_C};
+    static const int keys[] = {KEY_JSON,   KEY_EXPLAIN, KEY_OUTPUT, KEY_FMI,
+                               KEY_LISTEN, KEY_TOKEN,   KEY_WATCH,  KEY_TIMEOUT,
+                               KEY_C,      KEY_AGAINST, KEY_ADDRESS};
     for (size_t i = 0; i < DG_COUNT(keys); i++) {
         if (option->key == keys[i]) {
             return true;
@@ -212,6 +213,10 @@ static error_t take_argument(struct options *self, unsigned index, char *value, 
         self->words[self->word_count++] = value;
         return 0;
     }
+    if (index == 1 && self->command == COMMAND_EXPLAIN) {
+        self->capture = value;
+        return 0;
+    }
     if (index == 1 && self->command != COMMAND_LIST) {
         self->model = value;
         return 0;
@@ -240,6 +245,8 @@ static const struct {
     {KEY_TOKEN, offsetof(struct options, token)},
     {KEY_TIMEOUT, offsetof(struct options, timeout)},
     {KEY_MODEL, offsetof(struct options, models)},
+    {KEY_AGAINST, offsetof(struct options, model)},
+    {KEY_ADDRESS, offsetof(struct options, address)},
 };
 #define TEXT_COUNT DG_COUNT(texts)
 
@@ -420,7 +427,8 @@ static const struct argp_option *not_taken(const struct options *self)
 {
     const bool strict = self->command == COMMAND_LIST || self->command == COMMAND_FAULTS ||
                         self->command == COMMAND_EDS || self->command == COMMAND_CHECK ||
-                        self->command == COMMAND_FMU || self->command == COMMAND_WEB;
+                        self->command == COMMAND_FMU || self->command == COMMAND_WEB ||
+                        self->command == COMMAND_EXPLAIN;
     for (const struct argp_option *row = self->table; !options_end(row); row++) {
         const bool given = (self->given >> (row - self->table) & 1u) != 0;
         if (given && (strict || of_few(row)) && !takes(self->row, row)) {
@@ -458,7 +466,8 @@ static enum command find_help(struct options *self, int argc, char **argv)
             found = found != COMMAND_NONE ? found : version ? COMMAND_VERSION : COMMAND_HELP;
         } else if (self->row == NULL || self->row->command == COMMAND_HELP) {
             self->row = command_find(word);
-        } else if (self->model == NULL && !is_option(word)) {
+        } else if (self->model == NULL && !is_option(word) &&
+                   self->row->command != COMMAND_EXPLAIN) {
             self->model = word;
         }
     }

@@ -30,6 +30,7 @@ enum command {
     COMMAND_CTL,
     COMMAND_TOP,
     COMMAND_WEB,
+    COMMAND_EXPLAIN,
     COMMAND_HELP,
     COMMAND_VERSION,
     COMMAND_COUNT
@@ -47,7 +48,7 @@ struct command_row {
     const char *help;  /* may have several lines */
     const char *takes; /* its options, with blanks around each; NULL: all but those of files that
                           it writes, and of the page: "json", "explain", "c", "output",
-                          "fmi", "listen", "token", "watch", "timeout" */
+                          "fmi", "listen", "token", "watch", "timeout", "against", "address" */
     /* COMMAND_ASK: do what options->words say over a simulated wire. Prints its own errors.
        @return how the program ends */
     int (*ask)(const struct options *options);
@@ -86,6 +87,8 @@ struct options {
     const char *listen;
     const char *token; /* its file */
     const char *timeout;
+    const char *capture; /* a recording, as `model` is that of --against */
+    const char *address;
     char **words; /* owned; what `biss MODEL` and its like are to do, as many as argc at most */
     size_t word_count;
     struct dg_plan_settings settings; /* owned */

@@ -127,6 +127,18 @@ const struct argp_option option_rows[] = {
                "with *OPC? or *WAI)",
     },
     {
+        .name = "against",
+        .key = KEY_AGAINST,
+        .arg = "MODEL",
+        .doc = "ask MODEL the same, and print the differences only",
+    },
+    {
+        .name = "address",
+        .key = KEY_ADDRESS,
+        .arg = "N",
+        .doc = "of the encoder in the recording (default: that of MODEL as delivered)",
+    },
+    {
         .name = "c",
         .key = KEY_C,
         .doc = "for a compiler: figures, and a device that has them",

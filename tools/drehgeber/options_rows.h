@@ -20,6 +20,8 @@ enum option_key {
     KEY_TOKEN,
     KEY_WATCH,
     KEY_TIMEOUT,
+    KEY_AGAINST,
+    KEY_ADDRESS,
     KEY_C,
     KEY_MODEL,
     KEY_JSON,

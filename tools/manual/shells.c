@@ -25,7 +25,7 @@ static const struct {
     {"DEV", "device"},       {"IFNAME", "net"},
     {"ADDRESS", "control"},  {"MOTION", "motion"},
     {"KEY=VALUE", "key"},    {"MODELS", "ring"},
-    {"CHIP:MA,SLO", "chip"},
+    {"CHIP:MA,SLO", "chip"}, {"MODEL", "any"},
 };
 
 static const char *kind_of(const char *arg)
@@ -157,6 +157,7 @@ static const char bash_rest[] =
     "        control) words=\"unix: tcp:127.0.0.1:\" ;;\n"
     "        motion) words=\"0 90DEG 1REV 60RPM sine:90DEG,2S ramp:3000RPM,1S\" ;;\n"
     "        ring) words=$(_drehgeber_ring_models) ;;\n"
+    "        any) words=$(_drehgeber_models run) ;;\n"
     "        key) words=$(_drehgeber_keys \"$2\" | sed 's/ \\([^ ]*\\)/ \\1=/g') ;;\n"
     "    esac\n"
     "    if [ -n \"$words\" ]; then\n"
@@ -202,6 +203,8 @@ static const char bash_rest[] =
     "        mapfile -t COMPREPLY < <(compgen -W \"$(_drehgeber_commands)\" -- \"$cur\")\n"
     "    elif [ \"$command\" = top ]; then\n"
     "        _drehgeber_value control\n"
+    "    elif [ \"$command\" = explain ]; then\n"
+    "        _filedir\n"
     "    elif [ -z \"$model\" ]; then\n"
     "        mapfile -t COMPREPLY < <(compgen -W \"$(_drehgeber_models \"$command\")\" -- \"$cur\")\n"
     "        if [ \"$command\" = run ]; then\n"
@@ -277,6 +280,8 @@ static void put_zsh_command(const struct command_row *row)
         (void)fputs(" \\\n                '1:command:_drehgeber_command'", stdout);
     } else if (row->command == COMMAND_TOP || row->command == COMMAND_WEB) {
         (void)fputs(" \\\n                '1:address:_drehgeber_control'", stdout);
+    } else if (row->command == COMMAND_EXPLAIN) {
+        (void)fputs(" \\\n                '1:recording:_drehgeber_file'", stdout);
     }
     if (row->words != NULL) {
         (void)fputs(" \\\n                '*:action:_drehgeber_word'", stdout);
@@ -321,6 +326,7 @@ static const char zsh_rest[] =
     "_drehgeber_control() { compadd -S '' -- unix: tcp:127.0.0.1: }\n"
     "_drehgeber_motion() { compadd -- 0 90DEG 1REV 60RPM sine:90DEG,2S ramp:3000RPM,1S; "
     "_files -g '*.csv(-.)' }\n"
+    "_drehgeber_any() { compadd -- ${=$(_drehgeber_models run)} }\n"
     "_drehgeber_ring() { compadd -q -S ',' -- ${=$(_drehgeber_ring_models)} }\n"
     "_drehgeber_key() { compadd -S '=' -- ${=$(_drehgeber_keys ${words[2]-})} }\n"
     "\n"

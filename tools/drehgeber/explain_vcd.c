@@ -1,0 +1,430 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Value change dump (IEEE 1364) with two signals of a wire. Their names say what it is:
+ *
+ *   REQUEST, TX and REPLY, RX                    RS485: characters are taken from the levels
+ *   MA, CLOCK, CLK and SLO, SL, DATA             BiSS, SSI: clock and data
+ *
+ *   request  ¯¯¯|_0000001~|_0100001~|¯¯¯¯¯¯      a falling edge begins a character; each bit is
+ *                ^ ^ ^ ^                         the level in the middle of it
+ *
+ * Changes of one moment are one event of a clocked line. Other signals are left alone.
+ */
+#include <inttypes.h>
+#include <string.h>
+#include <strings.h>
+
+#include "drehgeber/bits.h"
+#include "explain_source.h"
+
+#define ID_MAX 16u
+#define SIDES 2u
+#define DATA_BITS 8u
+#define BITS_MAX 11u
+/* A character in each direction ends at a moment, or the line changes at it. */
+#define EVENTS_MAX 2u
+
+enum side {
+    FIRST,  /* request, clock */
+    SECOND, /* reply, data */
+};
+
+enum kind {
+    UNKNOWN,
+    CHARACTERS,
+    LEVELS,
+};
+
+/* clang-format off */
+static const struct {
+    const char *name;
+    enum kind kind;
+    enum side side;
+} names[] = {
+    {"REQUEST", CHARACTERS, FIRST}, {"TX",    CHARACTERS, FIRST},
+    {"REPLY",   CHARACTERS, SECOND}, {"RX",   CHARACTERS, SECOND},
+    {"MA",      LEVELS,     FIRST}, {"CLOCK", LEVELS,     FIRST}, {"CLK",  LEVELS, FIRST},
+    {"SLO",     LEVELS,     SECOND}, {"SL",   LEVELS,     SECOND}, {"DATA", LEVELS, SECOND},
+};
+/* clang-format on */
+
+/* A signal. */
+struct signal {
+    char id[ID_MAX];
+    bool level;
+    bool busy; /* characters: in the middle of one */
+    dg_ns start;
+    unsigned count;
+    uint16_t bits;
+};
+
+struct vcd {
+    struct explain_source source;
+    enum kind kind;
+    uint64_t step; /* in units of 1 ps */
+    dg_ns now;
+    bool changed; /* LEVELS: not told yet */
+    bool over;
+    bool skips; /* to $end */
+    struct signal signals[SIDES];
+    size_t count; /* of events that wait */
+    struct dg_tap_event events[EVENTS_MAX];
+};
+
+static bool begins(const uint8_t *bytes, size_t n)
+{
+    size_t i = 0;
+    while (i < n && (bytes[i] == ' ' || bytes[i] == '\n' || bytes[i] == '\r')) {
+        i++;
+    }
+    return i < n && bytes[i] == '$';
+}
+
+static bool is_word(const char *token, size_t n, const char *word)
+{
+    return strlen(word) == n && strncmp(token, word, n) == 0;
+}
+
+static int refuse(const struct vcd *self, const char *at, const char *what, const char *right,
+                  struct lx_error *error)
+{
+    return explain_text_refuse(&self->source.text, at, what, right, error);
+}
+
+/* The next word, over the ends of lines. @return 1; 0: the file is over; -1 */
+static int take_token(struct vcd *self, const char **token, size_t *n, struct lx_error *error)
+{
+    struct explain_text *text = &self->source.text;
+    *n = text->line == NULL ? 0 : explain_text_token(text, token);
+    while (*n == 0) {
+        const int found = explain_text_next(text, error);
+        if (found != 1) {
+            return found;
+        }
+        *n = explain_text_token(text, token);
+    }
+    return 1;
+}
+
+/* --- the header --- */
+
+/* "10 ns", also without a blank. */
+static int take_step(struct vcd *self, const char *token, size_t n, struct lx_error *error)
+{
+    static const struct {
+        const char *name;
+        uint64_t ps;
+    } units[] = {
+        {"s", 1000000000000}, {"ms", 1000000000}, {"us", 1000000}, {"ns", 1000}, {"ps", 1}};
+    uint64_t value;
+    const size_t digits = explain_number(token, n, &value);
+    token += digits;
+    n -= digits;
+    if (n == 0 && take_token(self, &token, &n, error) != 1) {
+        token = self->source.text.token;
+        n = 0;
+    }
+    for (size_t i = 0; i < DG_COUNT(units); i++) {
+        if (is_word(token, n, units[i].name) && (value == 1 || value == 10 || value == 100)) {
+            self->step = value * units[i].ps;
+            return 0;
+        }
+    }
+    return refuse(self, token, "no timescale", "expected 1, 10 or 100 s, ms, us, ns or ps", error);
+}
+
+static void take_name(struct vcd *self, const char *id, size_t n, const char *name, size_t length)
+{
+    for (size_t i = 0; i < DG_COUNT(names); i++) {
+        struct signal *signal = &self->signals[names[i].side];
+        const bool same =
+            strlen(names[i].name) == length && strncasecmp(names[i].name, name, length) == 0;
+        const bool fits = self->kind == UNKNOWN || self->kind == names[i].kind;
+        if (same && fits && signal->id[0] == '\0') {
+            self->kind = names[i].kind;
+            memcpy(signal->id, id, n);
+            signal->id[n] = '\0';
+            signal->level = true;
+        }
+    }
+}
+
+/* "wire 1 ! MA", behind $var */
+static int take_variable(struct vcd *self, struct lx_error *error)
+{
+    const char *token;
+    char id[ID_MAX] = "";
+    size_t id_length = 0;
+    bool one = false;
+    for (unsigned i = 0; i < 4u; i++) {
+        size_t n = 0;
+        if (take_token(self, &token, &n, error) != 1 || is_word(token, n, "$end")) {
+            return refuse(self, self->source.text.token, "no variable",
+                          "expected $var TYPE WIDTH ID NAME $end", error);
+        }
+        if (i == 1u) {
+            one = is_word(token, n, "1");
+        } else if (i == 2u) {
+            id_length = n < sizeof id ? n : 0; /* no signal of a wire has a longer one */
+            memcpy(id, token, id_length);
+        } else if (i == 3u && one && id_length > 0) {
+            take_name(self, id, id_length, token, n);
+        }
+    }
+    return 0;
+}
+
+/* Everything up to $end. */
+static int skip(struct vcd *self, struct lx_error *error)
+{
+    const char *token;
+    size_t n;
+    int found;
+    while ((found = take_token(self, &token, &n, error)) == 1) {
+        if (is_word(token, n, "$end")) {
+            return 0;
+        }
+    }
+    return found < 0 ? -1
+                     : refuse(self, self->source.text.token, "the file ends here", "expected $end",
+                              error);
+}
+
+/* A section of the header. @return 1; 0: it was the last one; -1 */
+static int take_section(struct vcd *self, struct lx_error *error)
+{
+    const char *token;
+    size_t n = 0;
+    const int found = take_token(self, &token, &n, error);
+    if (found < 0) {
+        return -1;
+    }
+    if (found == 0 || token[0] != '$') {
+        return refuse(self, found == 0 ? self->source.text.token : token, "no header",
+                      "expected $enddefinitions", error);
+    }
+    const bool last = is_word(token, n, "$enddefinitions");
+    int result = 0;
+    if (is_word(token, n, "$timescale")) {
+        const int got = take_token(self, &token, &n, error);
+        result = got == 1 ? take_step(self, token, n, error) : got;
+    } else if (is_word(token, n, "$var")) {
+        result = take_variable(self, error);
+    }
+    return result != 0 || skip(self, error) != 0 ? -1 : !last;
+}
+
+static int open_vcd(struct explain_source *source, struct lx_error *error)
+{
+    struct vcd *self = (struct vcd *)source;
+    int found;
+    self->step = 1000;
+    source->sided = true;
+    while ((found = take_section(self, error)) == 1) {
+    }
+    if (found == 0 && (self->signals[FIRST].id[0] == '\0' || self->signals[SECOND].id[0] == '\0')) {
+        return refuse(self, self->source.text.token, "no wire",
+                      "expected signals request and reply, MA and SLO, or CLOCK and DATA", error);
+    }
+    return found;
+}
+
+/* --- what changes --- */
+
+static void put(struct vcd *self, const struct dg_tap_event *event)
+{
+    if (self->count < EVENTS_MAX) {
+        self->events[self->count++] = *event;
+    }
+}
+
+static unsigned bits_of(const struct dg_host_uart *uart)
+{
+    return uart->parity == 'N' ? 1u + DATA_BITS : 2u + DATA_BITS;
+}
+
+/* Start, data and parity bits are there. The stop bit is at the level of now. */
+static void end_character(struct vcd *self, enum side side)
+{
+    const struct dg_host_uart *uart = &self->source.uart;
+    struct signal *signal = &self->signals[side];
+    const unsigned bits = bits_of(uart);
+    struct dg_tap_event event = {
+        .at = signal->start + dg_bit_times_ns(bits + 1u, uart->baud),
+        .kind = DG_TAP_CHARACTER,
+        .ours = side == SECOND,
+    };
+    unsigned ones = 0;
+    for (unsigned i = 1; i < bits; i++) {
+        ones += signal->bits >> i & 1u;
+    }
+    event.character.baud = uart->baud;
+    event.character.parity = (char)uart->parity;
+    event.character.byte = (uint8_t)(signal->bits >> 1);
+    event.character.damaged = (uart->parity != 'N' && (ones & 1u) != (uart->parity == 'O')) ||
+                              (signal->bits >> bits & 1u) == 0;
+    put(self, &event);
+    signal->busy = false;
+}
+
+/* The middles of bits up to `at` have the level that the signal had until then. */
+static void sample(struct vcd *self, enum side side, dg_ns at)
+{
+    const struct dg_host_uart *uart = &self->source.uart;
+    struct signal *signal = &self->signals[side];
+    while (signal->busy) {
+        const dg_ns middle =
+            signal->start + dg_bit_times_ns(2u * signal->count + 1u, 2u * uart->baud);
+        if (middle >= at) {
+            return;
+        }
+        signal->bits |= (uint16_t)(signal->level ? 1u << signal->count : 0u);
+        signal->count++;
+        if (signal->count > bits_of(uart)) {
+            end_character(self, side);
+        }
+    }
+}
+
+static void change(struct vcd *self, enum side side, bool level)
+{
+    struct signal *signal = &self->signals[side];
+    const bool new = level != signal->level;
+    if (new && self->kind == CHARACTERS && !level && !signal->busy) {
+        signal->busy = true;
+        signal->start = self->now;
+        signal->count = 0;
+        signal->bits = 0;
+    }
+    signal->level = level;
+    self->changed |= new;
+}
+
+/* Time goes on: what has ended meanwhile is told. */
+static void advance(struct vcd *self, dg_ns at)
+{
+    if (self->kind == LEVELS && self->changed) {
+        struct dg_tap_event event = {.at = self->now, .kind = DG_TAP_LEVELS};
+        event.levels.clock = self->signals[FIRST].level;
+        event.levels.data = self->signals[SECOND].level;
+        put(self, &event);
+    } else if (self->kind == CHARACTERS) {
+        sample(self, FIRST, at);
+        sample(self, SECOND, at);
+    }
+    self->changed = false;
+}
+
+/* "#4711" */
+static int take_time(struct vcd *self, const char *token, size_t n, struct lx_error *error)
+{
+    uint64_t value;
+    const uint64_t most =
+        DG_S(UINT64_C(10000000000)) / (self->step < 1000u ? 1u : self->step / 1000u);
+    if (n < 2u || explain_number(token + 1, n - 1u, &value) != n - 1u || value > most) {
+        return refuse(self, token, "no time", "expected # and a number that fits the timescale",
+                      error);
+    }
+    const dg_ns at =
+        self->step < 1000u ? value / (1000u / self->step) : value * (self->step / 1000u);
+    if (at < self->now) {
+        return refuse(self, token, "a time before the last one", "expected one behind it", error);
+    }
+    if (at > self->now) {
+        advance(self, at);
+    }
+    self->now = at;
+    return 0;
+}
+
+static void take_level(struct vcd *self, const char *id, size_t n, bool level)
+{
+    for (unsigned side = 0; side < SIDES; side++) {
+        if (is_word(id, n, self->signals[side].id)) {
+            change(self, (enum side)side, level);
+        }
+    }
+}
+
+/* "1!", "b0101 !", "r2.5 !", "stext !". @return 0, or -1 */
+static int take_change(struct vcd *self, const char *token, size_t n, struct lx_error *error)
+{
+    const char first = token[0];
+    if (first != '\0' && strchr("01xXzZ", first) != NULL && n > 1u) {
+        take_level(self, token + 1, n - 1u, first != '0');
+        return 0;
+    }
+    if (first == '\0' || strchr("bBrRs", first) == NULL) {
+        return refuse(self, token, "no change of a signal",
+                      "expected #TIME, 0ID, 1ID, bBITS ID, rNUMBER ID or sTEXT ID", error);
+    }
+    const char level = token[n - 1u];
+    const int found = take_token(self, &token, &n, error);
+    if (found != 1) {
+        return found < 0 ? -1
+                         : refuse(self, self->source.text.token, "the file ends here",
+                                  "expected the ID of a signal", error);
+    }
+    if (first == 'b' || first == 'B') {
+        take_level(self, token, n, level != '0');
+    }
+    return 0;
+}
+
+static bool is_block(const char *token, size_t n)
+{
+    return is_word(token, n, "$dumpvars") || is_word(token, n, "$dumpall") ||
+           is_word(token, n, "$dumpon") || is_word(token, n, "$dumpoff") ||
+           is_word(token, n, "$end");
+}
+
+/* @return 1; 0: the file is over; -1 */
+static int take_command(struct vcd *self, struct lx_error *error)
+{
+    const char *token;
+    size_t n = 0;
+    const int found = take_token(self, &token, &n, error);
+    if (found != 1) {
+        return found;
+    }
+    int result;
+    if (token[0] == '#') {
+        result = take_time(self, token, n, error);
+    } else if (token[0] == '$') {
+        result = is_block(token, n) ? 0 : skip(self, error);
+    } else {
+        result = take_change(self, token, n, error);
+    }
+    return result == 0 ? 1 : -1;
+}
+
+static int next(struct explain_source *source, struct dg_tap_event *to, struct lx_error *error)
+{
+    struct vcd *self = (struct vcd *)source;
+    while (self->count == 0 && !self->over) {
+        const int found = take_command(self, error);
+        if (found < 0) {
+            return -1;
+        }
+        if (found == 0) {
+            advance(self, DG_NEVER);
+            self->over = true;
+        }
+    }
+    if (self->count == 0) {
+        return 0;
+    }
+    *to = self->events[0];
+    self->events[0] = self->events[1];
+    self->count--;
+    explain_source_stamp(source, to->at, to);
+    return 1;
+}
+
+const struct explain_format explain_vcd = {
+    .name = "VCD",
+    .begins = begins,
+    .size = sizeof(struct vcd),
+    .open = open_vcd,
+    .next = next,
+};
