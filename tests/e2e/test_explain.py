@@ -14,7 +14,7 @@ from pathlib import Path
 
 import pytest
 
-from hiperface_master import EncoderError, open_port
+from hiperface_master import CHARACTER_BITS, EncoderError, Master, open_port
 from rig import MULTITURN, PATIENCE_S, PROGRAM, Encoder, run
 
 NODE = 63
@@ -54,16 +54,45 @@ def talk_on_line(master):
     master.read_all_status()
 
 
+class WritingMaster(Master):
+    """A master that writes a serial log of what goes through its port."""
+
+    def __init__(self, path, log):
+        super().__init__(path)
+        self.log = log
+        self.begin = time.monotonic()
+
+    def write(self, sign, data, at):
+        self.log.write(f"{at - self.begin:.6f} {sign} {data.hex(' ').upper()}\n")
+
+    def send(self, request):
+        self.wait_for_line()
+        self.write("<", request, time.monotonic())
+        super().send(request)
+
+    def receive(self, n, timeout_s):
+        got = super().receive(n, timeout_s)
+        if got:
+            self.write(">", got, time.monotonic() - self.bits_s(len(got) * CHARACTER_BITS))
+        return got
+
+
 @pytest.fixture(scope="module")
-def line(tmp_path_factory):
-    """A VCD file of RS485."""
+def lines(tmp_path_factory):
+    """One conversation, as a VCD file of RS485 and as a serial log."""
     folder = tmp_path_factory.mktemp("line")
     encoder = Encoder([MULTITURN, f"--pty={folder}/tty", "--shaft", "60RPM", "--trace", folder / "line.vcd"])
     try:
-        talk_on_line(encoder.master())
+        with open(folder / "line.txt", "w") as log, WritingMaster(f"{folder}/tty", log) as master:
+            talk_on_line(master)
     finally:
         encoder.clean_up()
-    return folder / "line.vcd"
+    return folder
+
+
+@pytest.fixture(params=["line.vcd", "line.txt"])
+def line(request, lines):
+    return lines / request.param
 
 
 class Adapter:
@@ -226,6 +255,43 @@ def test_an_answer_that_is_missing_and_one_that_nobody_gives(bus, tmp_path):
     changed.write_text("".join(lines[:where + 1] + lines[where:]))
     (found,) = differences(changed, "--against", "f3668", "--node", NODE)
     assert re.search(r"\n  came:  43 18 10 04 .*\n  model: nothing$", found)
+
+
+def changes(text, answer, places):
+    """The recording with one bit of a byte of an answer changed, for each; `places` are bytes that are left out."""
+    for found in re.finditer(answer, text, re.M):
+        for at in range(0, len(found[2]), 2 + found[2].count(" ", 0, 3)):
+            if at // 2 not in places(found[1]):
+                byte = int(found[2][at:at + 2], 16) ^ 0x10
+                begin = found.start(2) + at
+                yield found[0], text[:begin] + f"{byte:02X}" + text[begin + 2:]
+
+
+@pytest.mark.parametrize("bus", ["log"], indirect=True)
+def test_each_changed_byte_on_a_bus(bus, tmp_path):
+    """But for positions, speeds, and raw positions with their check sum."""
+    changed = tmp_path / "changed.log"
+    turning = {"1BF": range(4), "2BF": range(4), "3BF": range(2), "4BF": range(6)}
+    count = 0
+    for what, text in changes(bus.read_text(), r"\b(?=.*$)(1BF|2BF|3BF|4BF|5BF|73F)#([0-9A-F]+)$",
+                              lambda can_id: turning.get(can_id, ())):
+        if "#43046000" in what:
+            continue
+        changed.write_text(text)
+        assert len(differences(changed, "--against", "f3668", "--node", NODE)) == 1, (what, text)
+        count += 1
+    assert count > 50
+
+
+def test_each_changed_byte_on_a_line(lines, tmp_path):
+    """Of a position, too: then its check sum is wrong."""
+    changed = tmp_path / "changed.txt"
+    count = 0
+    for what, text in changes((lines / "line.txt").read_text(), r"^\S+ (>) ([0-9A-F ]+)$", lambda _: ()):
+        changed.write_text(text)
+        assert differences(changed, "--against", MULTITURN), (what, text)
+        count += 1
+    assert count > 50
 
 
 REQUEST, REPLY = "40 42 02", "40 42 00 01 E2 40 A1"
