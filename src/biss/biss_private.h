@@ -78,11 +78,7 @@ const char *dg_biss_form_settle(const struct dg_biss_model *model, struct dg_bis
 /** Its figures are within their ranges, and fit together. */
 bool dg_biss_model_ok(const struct dg_biss_model *model);
 /** The EEPROM of `model`. */
-static inline const struct dg_store_layout *dg_biss_layout_of(const struct dg_biss_model *model)
-{
-    return model->layout != NULL ? model->layout : &dg_biss_layout;
-}
-
+const struct dg_store_layout *dg_biss_layout_of(const struct dg_biss_model *model);
 /** Mount it, grown when it is of an earlier release. @return as dg_store_mount() */
 int dg_biss_mount(struct dg_store *self, const struct dg_biss_model *model, struct dg_nvm nvm);
 /** Everything but line, counters and setup begins anew at `now`. @return dg_store_mount()'s */

@@ -83,6 +83,11 @@ bool dg_biss_eeprom(const struct dg_biss *self)
     return self->mounted && self->setup.world->eeprom_acknowledges;
 }
 
+const struct dg_store_layout *dg_biss_layout_of(const struct dg_biss_model *model)
+{
+    return model->layout != NULL ? model->layout : &dg_biss_layout;
+}
+
 int dg_biss_mount(struct dg_store *self, const struct dg_biss_model *model, struct dg_nvm nvm)
 {
     int result = dg_store_mount(self, dg_biss_layout_of(model), nvm);

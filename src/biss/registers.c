@@ -229,18 +229,15 @@ static int read_temperature(struct dg_biss *self, dg_ns now, uint8_t offset, uin
 static int read_identity(struct dg_biss *self, dg_ns now, uint8_t offset, uint8_t *value)
 {
     const struct dg_biss_model *model = self->setup.model;
-    const struct {
-        uint8_t mask;
-        uint8_t bits;
-    } fields[sizeof model->device_id] = {
-        [2] = {FIELD_MASK, model->multiturn_bits},
-        [3] = {FIELD_MASK, model->singleturn_bits},
-        [TIMEOUT_OFFSET] = {TIMEOUT_MASK, self->timeout},
-    };
+    static const uint8_t masks[sizeof model->device_id] = {
+        [2] = FIELD_MASK, [3] = FIELD_MASK, [TIMEOUT_OFFSET] = TIMEOUT_MASK};
+    const uint8_t bits[sizeof model->device_id] = {[2] = model->multiturn_bits,
+                                                   [3] = model->singleturn_bits,
+                                                   [TIMEOUT_OFFSET] = self->timeout};
 
     (void)now;
-    *value = (uint8_t)((model->device_id[offset] & ~fields[offset].mask) |
-                       (fields[offset].bits & fields[offset].mask));
+    *value =
+        (uint8_t)((model->device_id[offset] & ~masks[offset]) | (bits[offset] & masks[offset]));
     return DG_OK;
 }
 
