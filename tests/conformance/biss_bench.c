@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "drehgeber/devices.h"
-#include "figures.h"
+#include "row_figures.h"
 
 /* --- figures by name ----------------------------------------------------------------------- */
 

@@ -10,9 +10,9 @@
 #include <stddef.h>
 
 #include "biss_master.h"
-#include "conformance.h"
 #include "drehgeber/biss.h"
 #include "ram_nvm.h"
+#include "rows.h"
 
 /** A slave and its EEPROM. */
 struct biss_slave {

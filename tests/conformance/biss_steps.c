@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "audit.h"
 #include "biss_bench.h"
 
 #define BITS_MAX 1000u
@@ -443,14 +444,14 @@ static bool step_command(void *ctx, char **words, size_t n, struct cf_report *re
 
 /* clang-format off */
 static const struct cf_step steps[] = {
-    {"given",   biss_bench_given,   false}, {"behind",  biss_bench_behind,  false}, {"power",  biss_bench_power,  false},
-    {"pos",     biss_bench_pos,     false}, {"rpm",     biss_bench_rpm,     false}, {"world",  biss_bench_world,  false},
-    {"wait",    biss_bench_after,    false}, {"damage",  biss_bench_damage,  false}, {"master", biss_bench_master, false},
-    {"zeros",   step_zeros,   false}, {"ma",      step_ma,      true},  {"sl",     step_sl,     true},
-    {"frame",   step_frame,   true},  {"scd",     step_scd,     true},  {"bad",    step_bad,    true},
-    {"timeout", step_timeout, true},  {"control", step_control, true},  {"word",   step_word,   true},
-    {"read",    step_access,  true},  {"write",   step_access,  true},  {"busy",   step_busy,   true},
-    {"idl",     step_idl,     true},  {"command", step_command, true},
+    {"given",   biss_bench_given,   false, 0}, {"behind",  biss_bench_behind,  false, 0}, {"power",  biss_bench_power,  false, 0},
+    {"pos",     biss_bench_pos,     false, 0}, {"rpm",     biss_bench_rpm,     false, 0}, {"world",  biss_bench_world,  false, 0},
+    {"wait",    biss_bench_after,    false, 0}, {"damage",  biss_bench_damage,  false, 0}, {"master", biss_bench_master, false, 0},
+    {"zeros",   step_zeros,   false, 0}, {"ma",      step_ma,      true, 0},  {"sl",     step_sl,     true, 0},
+    {"frame",   step_frame,   true, 0},  {"scd",     step_scd,     true, 0},  {"bad",    step_bad,    true, 0},
+    {"timeout", step_timeout, true, 0},  {"control", step_control, true, 0},  {"word",   step_word,   true, 0},
+    {"read",    step_access,  true, 0},  {"write",   step_access,  true, 0},  {"busy",   step_busy,   true, 0},
+    {"idl",     step_idl,     true, 0},  {"command", step_command, true, 0},
 };
 /* clang-format on */
 

@@ -1,11 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /* The same encoder, made of its EDS file. */
-#include "canopen_bench.h"
+#include "canopen_from_eds.h"
 
 #include <stdlib.h>
 #include <string.h>
-
-#include "drehgeber/cia406.h"
 
 static struct {
     char text[65536];

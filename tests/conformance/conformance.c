@@ -16,7 +16,9 @@
 
 #include <cmocka.h>
 
-#include "conformance.h"
+#include "audit.h"
+#include "canopen_from_eds.h"
+#include "canopen_steps.h"
 #include "ssi_steps.h"
 
 static struct cf_suite suite;
@@ -108,6 +110,7 @@ int main(int argc, char **argv)
     /* clang-format on */
     int result = 2;
 
+    cf_canopen_make(canopen_from_eds);
     for (size_t i = 0; (argc == 4 || argc == 5) && i < sizeof suites / sizeof suites[0]; i++) {
         if (strcmp(argv[1], suites[i].name) == 0) {
             device = suites[i].device();

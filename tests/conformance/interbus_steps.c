@@ -8,13 +8,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "conformance.h"
+#include "audit.h"
 #include "drehgeber/bus_words.h"
 #include "drehgeber/devices.h"
 #include "drehgeber/host_wire.h"
 #include "drehgeber/interbus.h"
-#include "figures.h"
 #include "ram_nvm.h"
+#include "row_figures.h"
 
 #define DEVICES_MAX 4u
 #define WORDS_MAX ((size_t)2 * DEVICES_MAX)
@@ -645,16 +645,16 @@ static bool step_opc(void *ctx, char **words, size_t n, struct cf_report *report
 
 /* clang-format off */
 static const struct cf_step steps[] = {
-    {"given",     step_given,     false}, {"also",    step_also,     false}, {"out",       step_out,       false},
-    {"in",        step_in,        true},  {">",       step_command,  true},  {"release",   step_release,   true},
-    {"read",      step_read,      true},  {"cycles",  step_cycles,   false}, {"wait",      step_wait,      false},
-    {"angle",     step_angle,     false}, {"rpm",     step_rpm,      false}, {"world",     step_world,     false},
-    {"power",     step_power,     false}, {"damage",  step_damage,   false}, {"opc",       step_opc,       false},
-    {"count",     step_count,     true},  {"range",   step_range,    true},  {"led",       step_led,       true},
-    {"blink",     step_blink,     true},  {"ids",     step_ids,      true},  {"data",      step_data,      true},
-    {"break",     step_break,     false}, {"corrupt", step_corrupt,  false}, {"module",    step_module,    true},
-    {"cycletime", step_cycletime, true},  {"bits",    step_bits,     true},  {"ringcount", step_ringcount, true},
-    {"ringsize",  step_ringsize,  true},
+    {"given",     step_given,     false, 0}, {"also",    step_also,     false, 0}, {"out",       step_out,       false, 0},
+    {"in",        step_in,        true, 0},  {">",       step_command,  true, 0},  {"release",   step_release,   true, 0},
+    {"read",      step_read,      true, 0},  {"cycles",  step_cycles,   false, 0}, {"wait",      step_wait,      false, 0},
+    {"angle",     step_angle,     false, 0}, {"rpm",     step_rpm,      false, 0}, {"world",     step_world,     false, 0},
+    {"power",     step_power,     false, 0}, {"damage",  step_damage,   false, 0}, {"opc",       step_opc,       false, 0},
+    {"count",     step_count,     true, 0},  {"range",   step_range,    true, 0},  {"led",       step_led,       true, 0},
+    {"blink",     step_blink,     true, 0},  {"ids",     step_ids,      true, 0},  {"data",      step_data,      true, 0},
+    {"break",     step_break,     false, 0}, {"corrupt", step_corrupt,  false, 0}, {"module",    step_module,    true, 0},
+    {"cycletime", step_cycletime, true, 0},  {"bits",    step_bits,     true, 0},  {"ringcount", step_ringcount, true, 0},
+    {"ringsize",  step_ringsize,  true, 0},
 };
 /* clang-format on */
 

@@ -9,8 +9,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "conformance.h"
 #include "drehgeber/devices.h"
+#include "rows.h"
 #include "ssi_rig.h"
 
 #define BITS_MAX 400u
@@ -481,11 +481,11 @@ static bool step_count(void *ctx, char **words, size_t n, struct cf_report *repo
 
 /* clang-format off */
 static const struct cf_step steps[] = {
-    {"given", step_given, false}, {"pos",   step_pos,   false}, {"rpm",   step_rpm,   false},
-    {"world", step_world, false}, {"power", step_power, false}, {"master", step_master, false},
-    {"back",  step_back,  false}, {"wait",  step_wait,  true},  {"clock", step_clock, true},
-    {"take",  step_take,  true},  {"word",  step_word,  true},  {"value", step_value, true},
-    {"apart", step_apart, true},  {"count", step_count, true},  {"refused", step_refused, true},
+    {"given", step_given, false, 0}, {"pos",   step_pos,   false, 0}, {"rpm",   step_rpm,   false, 0},
+    {"world", step_world, false, 0}, {"power", step_power, false, 0}, {"master", step_master, false, 0},
+    {"back",  step_back,  false, 0}, {"wait",  step_wait,  true, 0},  {"clock", step_clock, true, 0},
+    {"take",  step_take,  true, 0},  {"word",  step_word,  true, 0},  {"value", step_value, true, 0},
+    {"apart", step_apart, true, 0},  {"count", step_count, true, 0},  {"refused", step_refused, true, 0},
 };
 /* clang-format on */
 

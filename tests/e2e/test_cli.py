@@ -150,7 +150,7 @@ def test_alone_it_prints_the_help():
     assert ended.stdout == run("--help").stdout
 
 
-COMMANDS = ["list", "faults", "run", "eds", "model", "biss", "ssi", "map", "fmu", "ctl", "top", "web", "help"]
+COMMANDS = ["list", "faults", "run", "eds", "model", "biss", "ssi", "map", "fmu", "ctl", "top", "verify", "web", "help"]
 
 
 def test_every_help_is_80_columns_wide():

@@ -12,8 +12,8 @@ from rig import MULTITURN, PATIENCE_S, PROGRAM, REPOSITORY, run
 
 MAN = REPOSITORY / "tools/man"
 COMPLETION = REPOSITORY / "tools/completion"
-COMMANDS = ["list", "faults", "run", "eds", "check", "model", "biss", "ssi", "map", "fmu", "ctl", "top", "web", "explain",
-            "help"]
+COMMANDS = ["list", "faults", "run", "eds", "check", "model", "biss", "ssi", "map", "fmu", "verify", "ctl", "top", "web",
+            "explain", "help"]
 PAGES = ["drehgeber.1", *(f"drehgeber-{command}.1" for command in COMMANDS)]
 
 
@@ -48,7 +48,8 @@ def test_a_page_has_what_help_has():
     options = set(re.findall(r"--[a-z]+(?:\[=\w+\]|=\S+)?(?=  )", said))
     assert len(options) > 15
     for option in options - {"--json", "--explain", "--output=FILE", "--fmi=VERSION", "--listen=HOST:PORT", "--token=FILE", "--watch",
-                             "--timeout=SPAN", "--against=MODEL", "--address=N"}:
+                             "--timeout=SPAN", "--against=MODEL", "--address=N", "--alone", "--junit=FILE", "--report=FILE",
+                             "--write", "--irreversible", "--restore", "--journal=FILE", "--power=COMMAND"}:
         assert option in text, option
     keys = set(re.findall(r"^  ([a-z]+_[a-z_]+)  ", said, re.M))
     assert len(keys) > 20

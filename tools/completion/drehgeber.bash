@@ -4,7 +4,7 @@
 
 _drehgeber_commands()
 {
-    echo "list faults run check eds model biss ssi map fmu ctl top web explain help"
+    echo "list faults run check eds model biss ssi map fmu verify ctl top web explain help"
 }
 
 _drehgeber_models()
@@ -18,6 +18,7 @@ _drehgeber_models()
         ssi) echo " ssi-13 ssi-25 ssi-28" ;;
         map) echo " ocd-ib-k1 ocd-ib-k2 ocd-ib-k3" ;;
         fmu) echo " s3674-rs485 s3684-rs485 s3674-biss s3684-biss ssi-13 ssi-25 ssi-28 f3658 f3668 ocd-ib-k1 ocd-ib-k2 ocd-ib-k3" ;;
+        verify) echo " s3674-rs485 s3684-rs485 s3674-biss s3684-biss ssi-13 ssi-25 ssi-28 f3658 f3668 ocd-ib-k1 ocd-ib-k2 ocd-ib-k3" ;;
     esac
 }
 
@@ -58,6 +59,7 @@ _drehgeber_options()
         ssi) echo " --model= --shaft= --set= --trace= --help" ;;
         map) echo " --ring= --model= --help" ;;
         fmu) echo " --model= --serial= --node= --set= --output= --fmi= --help" ;;
+        verify) echo " --pty= --tty= --rs485= --sim --gpio= --can= --slcan= --socketcand= --silkit= --modbus= --model= --node= --json --alone --junit= --report= --quiet --help" ;;
         ctl) echo " --control= --timeout= --help" ;;
         top) echo " --control= --help" ;;
         web) echo " --control= --listen= --token= --watch --help" ;;
@@ -97,6 +99,8 @@ _drehgeber_kind()
         --timeout) echo nothing ;;
         --against) echo any ;;
         --address) echo nothing ;;
+        --junit) echo file ;;
+        --report) echo file ;;
     esac
 }
 

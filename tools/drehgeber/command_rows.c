@@ -6,6 +6,7 @@
 #include "drehgeber/drehgeber.h"
 #include "options.h"
 #include "ssi.h"
+#include "verify.h"
 
 const struct command_row command_rows[] = {
     {
@@ -114,6 +115,15 @@ const struct command_row command_rows[] = {
         .usage = "fmu RIG.ini --output FILE.fmu [--fmi 2]",
         .help = "write all encoders of a rig as one FMU",
         .takes = " output fmi set serial node ",
+    },
+    {
+        .name = "verify",
+        .command = COMMAND_VERIFY,
+        .wires = true,
+        .usage = "verify MODEL WIRE [CLAUSE ...] [OPTIONS]",
+        .help = "ask a real encoder what the clauses of its manual say",
+        .takes = " model node alone junit report json quiet ",
+        .ask = verify_command,
     },
     {
         .name = "ctl",

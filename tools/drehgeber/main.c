@@ -169,14 +169,23 @@ static int ask(const struct options *options)
 
 /* NULL: refused by options_parse() */
 static int (*const acts[])(const struct options *) = {
-    [COMMAND_NONE] = NULL,       [COMMAND_LIST] = list,
-    [COMMAND_FAULTS] = faults,   [COMMAND_RUN] = run_rig,
-    [COMMAND_EDS] = eds,         [COMMAND_CHECK] = check,
-    [COMMAND_MODEL] = model,     [COMMAND_ASK] = ask,
-    [COMMAND_MAP] = map,         [COMMAND_FMU] = fmu_command,
-    [COMMAND_CTL] = ctl,         [COMMAND_TOP] = top,
-    [COMMAND_WEB] = web_command, [COMMAND_HELP] = help,
-    [COMMAND_VERSION] = version, [COMMAND_EXPLAIN] = explain_command,
+    [COMMAND_NONE] = NULL,
+    [COMMAND_LIST] = list,
+    [COMMAND_FAULTS] = faults,
+    [COMMAND_RUN] = run_rig,
+    [COMMAND_EDS] = eds,
+    [COMMAND_CHECK] = check,
+    [COMMAND_MODEL] = model,
+    [COMMAND_ASK] = ask,
+    [COMMAND_VERIFY] = ask,
+    [COMMAND_MAP] = map,
+    [COMMAND_FMU] = fmu_command,
+    [COMMAND_CTL] = ctl,
+    [COMMAND_TOP] = top,
+    [COMMAND_WEB] = web_command,
+    [COMMAND_HELP] = help,
+    [COMMAND_VERSION] = version,
+    [COMMAND_EXPLAIN] = explain_command,
 };
 _Static_assert(DG_COUNT(acts) == COMMAND_COUNT, "a row for each command");
 

@@ -17,9 +17,9 @@
 /* Options that only those commands have which list them in `takes`. */
 static bool of_few(const struct argp_option *option)
 {
-    static const int keys[] = {KEY_JSON,   KEY_EXPLAIN, KEY_OUTPUT, KEY_FMI,
-                               KEY_LISTEN, KEY_TOKEN,   KEY_WATCH,  KEY_TIMEOUT,
-                               KEY_C,      KEY_AGAINST, KEY_ADDRESS};
+    static const int keys[] = {KEY_JSON,    KEY_EXPLAIN, KEY_OUTPUT,  KEY_FMI,   KEY_LISTEN,
+                               KEY_TOKEN,   KEY_WATCH,   KEY_TIMEOUT, KEY_C,     KEY_AGAINST,
+                               KEY_ADDRESS, KEY_ALONE,   KEY_JUNIT,   KEY_REPORT};
     for (size_t i = 0; i < DG_COUNT(keys); i++) {
         if (option->key == keys[i]) {
             return true;
@@ -209,7 +209,7 @@ static error_t take_argument(struct options *self, unsigned index, char *value, 
         self->command = self->row == NULL ? COMMAND_NONE : self->row->command;
         return self->row != NULL || unknown_command(self, value, next) == 0 ? 0 : EINVAL;
     }
-    if (self->command == COMMAND_CTL || (index > 1 && self->command == COMMAND_ASK)) {
+    if (self->command == COMMAND_CTL || (index > 1 && self->row->ask != NULL)) {
         self->words[self->word_count++] = value;
         return 0;
     }
@@ -247,6 +247,8 @@ static const struct {
     {KEY_MODEL, offsetof(struct options, models)},
     {KEY_AGAINST, offsetof(struct options, model)},
     {KEY_ADDRESS, offsetof(struct options, address)},
+    {KEY_JUNIT, offsetof(struct options, junit)},
+    {KEY_REPORT, offsetof(struct options, report)},
 };
 #define TEXT_COUNT DG_COUNT(texts)
 
@@ -258,6 +260,7 @@ static const struct {
     {KEY_JSON, offsetof(struct options, json)},   {KEY_VERBOSE, offsetof(struct options, verbose)},
     {KEY_WATCH, offsetof(struct options, watch)}, {KEY_QUIET, offsetof(struct options, say.quiet)},
     {KEY_C, offsetof(struct options, c)},         {KEY_EXPLAIN, offsetof(struct options, explain)},
+    {KEY_ALONE, offsetof(struct options, alone)},
 };
 
 /* An empty one is most likely an empty variable of a script. */

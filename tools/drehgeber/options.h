@@ -25,6 +25,7 @@ enum command {
     COMMAND_CHECK,
     COMMAND_MODEL,
     COMMAND_ASK, /* as the row's `ask` does it */
+    COMMAND_VERIFY,
     COMMAND_MAP,
     COMMAND_FMU,
     COMMAND_CTL,
@@ -48,8 +49,10 @@ struct command_row {
     const char *help;  /* may have several lines */
     const char *takes; /* its options, with blanks around each; NULL: all but those of files that
                           it writes, and of the page: "json", "explain", "c", "output",
-                          "fmi", "listen", "token", "watch", "timeout", "against", "address" */
-    /* COMMAND_ASK: do what options->words say over a simulated wire. Prints its own errors.
+                          "fmi", "listen", "token", "watch", "timeout", and those of `explain` and
+                          `verify` */
+    /* COMMAND_ASK and COMMAND_VERIFY: do what options->words say, the former over a simulated wire.
+       Prints its own errors.
        @return how the program ends */
     int (*ask)(const struct options *options);
     const struct dg_stack *stack; /* a MODEL is one of it; NULL: any */
@@ -89,6 +92,8 @@ struct options {
     const char *timeout;
     const char *capture; /* a recording, as `model` is that of --against */
     const char *address;
+    const char *junit;
+    const char *report;
     char **words; /* owned; what `biss MODEL` and its like are to do, as many as argc at most */
     size_t word_count;
     struct dg_plan_settings settings; /* owned */
@@ -98,6 +103,7 @@ struct options {
     bool c;
     bool explain;
     bool watch;
+    bool alone;
     bool verbose;
     struct lx_say say;
     struct argp_option *table; /* owned: all options */

@@ -154,6 +154,23 @@ const struct argp_option option_rows[] = {
         .doc = "of a FILE.eds: what each object does as an encoder",
     },
     {
+        .name = "alone",
+        .key = KEY_ALONE,
+        .doc = "send also what reaches others on the wire, when nobody else is there",
+    },
+    {
+        .name = "junit",
+        .key = KEY_JUNIT,
+        .arg = "FILE",
+        .doc = "what was found out, for CI: a test case for each clause",
+    },
+    {
+        .name = "report",
+        .key = KEY_REPORT,
+        .arg = "FILE",
+        .doc = "what was found out, as a text for an issue, without the serial number",
+    },
+    {
         .name = "verbose",
         .key = KEY_VERBOSE,
         .doc = "what goes over the wire in words, on stderr",

@@ -34,6 +34,9 @@ enum option_key {
     KEY_SHAFT,
     KEY_CONTROL,
     KEY_VERBOSE,
+    KEY_ALONE,
+    KEY_JUNIT,
+    KEY_REPORT,
     KEY_WIRE, /* and one more for each kind of wire */
 };
 

@@ -7,9 +7,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "conformance.h"
 #include "drehgeber/angle.h"
 #include "drehgeber/eleven.h"
+#include "rows.h"
 
 static struct bench {
     struct dg_eleven_model model;
@@ -96,7 +96,7 @@ static bool finish(void *ctx, struct cf_report *report)
 const struct cf_device *cf_eleven(void)
 {
     static const struct cf_step steps[] = {
-        {"given", do_given, false}, {"lost", do_lost, false}, {"ask", do_ask, true}};
+        {"given", do_given, false, 0}, {"lost", do_lost, false, 0}, {"ask", do_ask, true, 0}};
     static const struct cf_device device = {.ctx = &bench,
                                             .begin = begin,
                                             .steps = steps,

@@ -6,9 +6,9 @@
 
 #include <stdlib.h>
 
-#include "conformance.h"
 #include "drehgeber/angle.h"
 #include "drehgeber/tenbit.h"
+#include "rows.h"
 
 #define HALF 500u
 
@@ -93,10 +93,10 @@ static bool finish(void *ctx, struct cf_report *report)
 
 const struct cf_device *cf_tenbit(void)
 {
-    static const struct cf_step steps[] = {{"given", do_given, false},
-                                           {"turn", do_turn, false},
-                                           {"wait", do_wait, false},
-                                           {"clock", do_clock, true}};
+    static const struct cf_step steps[] = {{"given", do_given, false, 0},
+                                           {"turn", do_turn, false, 0},
+                                           {"wait", do_wait, false, 0},
+                                           {"clock", do_clock, true, 0}};
     static const struct cf_device device = {.ctx = &bench,
                                             .begin = begin,
                                             .steps = steps,

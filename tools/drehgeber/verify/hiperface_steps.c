@@ -7,11 +7,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "conformance.h"
 #include "drehgeber/devices.h"
-#include "drehgeber/hiperface.h"
-#include "figures.h"
-#include "ram_nvm.h"
+#include "hiperface_steps.h"
+#include "row_figures.h"
+#include "row_memory.h"
 
 #define REPLIES_MAX 4u
 /* Longer than any timeout (92 ms at 600 Bd) plus reaction time (250 ms). */
@@ -35,14 +34,28 @@ struct bench {
     int64_t rpm;
     struct dg_hf_model model;
     struct dg_world world;
-    struct ram_nvm nvm;
+    struct cf_memory nvm;
     struct dg_hf hf;
     bool ready; /* `given` has been */
     struct reply replies[REPLIES_MAX];
     size_t reply_count;
+    uint8_t request[256]; /* what has been sent last */
+    size_t request_length;
 };
 
 static struct bench bench;
+/* What a row is run for; ops NULL: for the model alone. */
+static struct cf_hiperface_trial trial;
+
+void cf_hiperface_try(const struct cf_hiperface_trial *wanted)
+{
+    trial = wanted != NULL ? *wanted : (struct cf_hiperface_trial){.model = NULL};
+}
+
+static bool is_beside(void)
+{
+    return trial.beside.ops != NULL;
+}
 
 /* --- figures by name ----------------------------------------------------------------------- */
 
@@ -139,6 +152,9 @@ static void receive(struct bench *b, dg_ns at, uint8_t byte, int flags)
 
 static void send_character(struct bench *b, uint8_t byte, bool damaged)
 {
+    if (b->request_length < sizeof b->request) {
+        b->request[b->request_length++] = byte;
+    }
     const struct dg_hf_uart uart = dg_hf_uart(&b->hf);
     bool foreign = uart.baud != line_baud(b) || uart.parity != line_parity(b);
     dg_ns start = b->now;
@@ -185,11 +201,17 @@ static bool parse_octet(const char *word, struct octet *to)
 /* Sends words[1..]; `sum` appends the XOR. */
 static bool send_words(struct bench *b, char **words, size_t n, bool sum, struct cf_report *report)
 {
+    const struct cf_beside *beside = &trial.beside;
     uint8_t xor = 0;
 
+    b->request_length = 0;
     for (size_t i = 1; i < n; i++) {
         struct octet octet;
 
+        if (is_beside() && strpbrk(words[i], "~!") != NULL &&
+            !beside->ops->needs(beside->ctx, CF_EXACT, report)) {
+            return false;
+        }
         if (words[i][0] == '~' && span(b, words[i] + 1) > 0) {
             run_until(b, b->now + span(b, words[i] + 1), false);
             continue;
@@ -205,7 +227,8 @@ static bool send_words(struct bench *b, char **words, size_t n, bool sum, struct
     if (sum) {
         send_character(b, xor, false);
     }
-    return true;
+    const struct cf_unit request = {.bytes = b->request, .n = b->request_length};
+    return !is_beside() || beside->ops->sent(beside->ctx, &request, report);
 }
 
 static bool step_request(void *ctx, char **words, size_t n, struct cf_report *report)
@@ -233,7 +256,7 @@ static size_t print_hex(char *to, size_t size, const uint8_t *bytes, size_t n)
     return at;
 }
 
-static bool expect_nothing(struct bench *b, dg_ns wait, struct cf_report *report)
+static bool keep_silent(struct bench *b, dg_ns wait, struct cf_report *report)
 {
     char hex[512] = "";
 
@@ -243,6 +266,12 @@ static bool expect_nothing(struct bench *b, dg_ns wait, struct cf_report *report
         return cf_fail(report, "expected no reply, got%s", hex);
     }
     return true;
+}
+
+static bool expect_nothing(struct bench *b, dg_ns wait, struct cf_report *report)
+{
+    return keep_silent(b, wait, report) &&
+           (!is_beside() || trial.beside.ops->silent(trial.beside.ctx, wait, report));
 }
 
 static bool check_moment(const struct bench *b, const struct reply *got, dg_ns reaction,
@@ -258,74 +287,113 @@ static bool check_moment(const struct bench *b, const struct reply *got, dg_ns r
     return true;
 }
 
+/* The bytes of words[from..], with their XOR behind them when `sum`. */
+static bool parse_reply(char **words, size_t from, size_t n, bool sum, struct reply *to,
+                        struct cf_report *report)
+{
+    uint8_t xor = 0;
+
+    to->n = 0;
+    for (size_t i = from; i < n; i++) {
+        struct octet octet;
+
+        if (!parse_octet(words[i], &octet) || to->n + octet.times >= sizeof to->bytes) {
+            return cf_fail(report, "not a byte: %s", words[i]);
+        }
+        memset(&to->bytes[to->n], octet.value, octet.times);
+        to->n += octet.times;
+    }
+    for (size_t i = 0; sum && i < to->n; i++) {
+        xor ^= to->bytes[i];
+    }
+    to->bytes[to->n] = xor;
+    to->n += sum ? 1u : 0u;
+    return true;
+}
+
+/* The model may answer earlier than the row says, which is about encoders that are slower. */
+static bool judge_beside(const struct bench *b, const struct reply *want, const struct reply *got,
+                         bool timed, dg_ns reaction, struct cf_report *report)
+{
+    const struct cf_answer answer = {
+        .want = {.bytes = want->bytes, .n = want->n},
+        .got = {.bytes = got->n > 0 ? got->bytes : NULL, .n = got->n},
+        .latest_ns = line_timeout(b) + reaction,
+        .timed = timed,
+    };
+
+    if (timed && got->n > 0 && got->at > b->request_end + answer.latest_ns) {
+        return cf_fail(report, "the model answers later than that");
+    }
+    return trial.beside.ops->answered(trial.beside.ctx, &answer, report);
+}
+
 /* < none [T] | <[+] [@reaction] bytes */
 static bool step_reply(void *ctx, char **words, size_t n, struct cf_report *report)
 {
     struct bench *b = ctx;
     bool timed = n > 1 && words[1][0] == '@';
     dg_ns reaction = timed ? span(b, words[1] + 1) : b->model.reaction;
-    uint8_t want[256];
-    size_t length = 0;
     char hex[2][700] = {"", ""};
+    struct reply want;
     struct reply got;
 
     if (n > 1 && strcmp(words[1], "none") == 0) {
         return expect_nothing(b, n > 2 ? span(b, words[2]) : 0, report);
     }
-    for (size_t i = timed ? 2 : 1; i < n; i++) {
-        struct octet octet;
-
-        if (!parse_octet(words[i], &octet) || length + octet.times >= sizeof want) {
-            return cf_fail(report, "not a byte: %s", words[i]);
-        }
-        memset(&want[length], octet.value, octet.times);
-        length += octet.times;
-    }
-    if (words[0][1] == '+') {
-        want[length] = 0;
-        for (size_t i = 0; i < length; i++) {
-            want[length] ^= want[i];
-        }
-        length++;
+    if (!parse_reply(words, timed ? 2 : 1, n, words[0][1] == '+', &want, report)) {
+        return false;
     }
     run_until(b, b->now + PATIENCE, true);
     got = b->replies[0];
     got.n = b->reply_count > 0 ? got.n : 0;
-    (void)print_hex(hex[0], sizeof hex[0], want, length);
+    if (is_beside() && !judge_beside(b, &want, &got, timed, reaction, report)) {
+        return false;
+    }
+    (void)print_hex(hex[0], sizeof hex[0], want.bytes, want.n);
     (void)print_hex(hex[1], sizeof hex[1], got.bytes, got.n);
-    if (b->reply_count != 1 || got.n != length || memcmp(got.bytes, want, length) != 0) {
+    if (!is_beside() &&
+        (b->reply_count != 1 || got.n != want.n || memcmp(got.bytes, want.bytes, want.n) != 0)) {
         return cf_fail(report, "%zu replies; expected%s\n    got     %s", b->reply_count, hex[0],
                        hex[1]);
     }
     b->reply_count = 0;
     /* The master keeps the pause behind the reply that 5.1.1.1 asks for. */
     run_until(b, got.at + got.n * line_character(b) + line_timeout(b) + line_bits(b, 1), false);
-    return check_moment(b, &got, reaction, report);
+    return is_beside() || check_moment(b, &got, reaction, report);
 }
 
 /* --- the other steps ----------------------------------------------------------------------- */
+
+static bool switch_on(struct bench *b, bool in_window, struct cf_report *report)
+{
+    int result = dg_hf_power_on(&b->hf, b->now);
+
+    if (result != 0) {
+        return cf_fail(report, "power on returned %d", result);
+    }
+    b->deadline = dg_hf_step(&b->hf, b->now);
+    if (!in_window) {
+        run_until(b, b->now + b->model.init + DG_MS(10), false);
+    }
+    return true;
+}
 
 static bool step_power(void *ctx, char **words, size_t n, struct cf_report *report)
 {
     struct bench *b = ctx;
     bool on = n > 1 && strcmp(words[1], "on") == 0;
-    int result;
 
+    if (is_beside() && !trial.beside.ops->powered(trial.beside.ctx, on, report)) {
+        return false;
+    }
     if (!on) {
         dg_hf_power_off(&b->hf);
         b->deadline = DG_NEVER;
         run_until(b, b->now + DG_MS(10), false);
         return true;
     }
-    result = dg_hf_power_on(&b->hf, b->now);
-    if (result != 0) {
-        return cf_fail(report, "power on returned %d", result);
-    }
-    b->deadline = dg_hf_step(&b->hf, b->now);
-    if (n < 3 || strcmp(words[2], "window") != 0) {
-        run_until(b, b->now + b->model.init + DG_MS(10), false);
-    }
-    return true;
+    return switch_on(b, n == 3 && strcmp(words[2], "window") == 0, report);
 }
 
 static bool set_angle(struct bench *b, const char *word)
@@ -357,17 +425,50 @@ static bool step_rpm(void *ctx, char **words, size_t n, struct cf_report *report
     return n == 2 || cf_fail(report, "rpm N");
 }
 
+/* The counter of a real encoder may stand anywhere. */
+static bool set_counter(struct bench *b, uint32_t count)
+{
+    const uint8_t bytes[3] = {(uint8_t)(count >> 16), (uint8_t)(count >> 8), (uint8_t)count};
+    struct dg_store store;
+
+    return count == 0 || (dg_store_mount(&store, &dg_hf_layout, cf_memory_port(&b->nvm)) == 0 &&
+                          dg_store_put(&store, DG_HF_REGION_COUNTER, 0, bytes, sizeof bytes) == 0);
+}
+
+/* The encoder of b->model, as delivered, at count `raw`. */
+static bool make_device(struct bench *b, const char *raw, bool in_window, struct cf_report *report)
+{
+    struct dg_hf_setup setup = {&b->model, &b->world, {NULL, NULL}, &wire, b};
+
+    cf_memory_init(&b->nvm, dg_store_size(&dg_hf_layout));
+    setup.nvm = cf_memory_port(&b->nvm);
+    if (dg_hf_format(&b->model, setup.nvm) != 0 || !set_counter(b, trial.counter) ||
+        dg_hf_init(&b->hf, &setup) != 0) {
+        return cf_fail(report, "given: these figures are refused");
+    }
+    b->ready = true;
+    return set_angle(b, raw) && switch_on(b, in_window, report);
+}
+
+/* The model in place of the one that a row names, and where it is. */
+static const char *take_trial(struct bench *b, const char *raw, char *text, size_t size)
+{
+    if (trial.model == NULL) {
+        return raw;
+    }
+    b->model = *trial.model;
+    b->world.temperature_mdegc = trial.temperature_mdegc;
+    (void)snprintf(text, size, "%lld", (long long)trial.raw);
+    return trial.placed ? text : raw;
+}
+
 /* given MODEL key=value... [raw=N] [window] */
 static bool step_given(void *ctx, char **words, size_t n, struct cf_report *report)
 {
     struct bench *b = ctx;
     const struct dg_device *device = n > 1 ? dg_device_find(words[1]) : NULL;
-    struct dg_hf_setup setup = {&b->model, &b->world, {NULL, NULL}, &wire, b};
-    char power[] = "power";
-    char on[] = "on";
-    char window[] = "window";
-    char *power_on[] = {power, on, window};
     const char *raw = "0";
+    char text[24];
     bool in_window = false;
 
     if (device == NULL || device->stack != &dg_hf_stack) {
@@ -383,13 +484,11 @@ static bool step_given(void *ctx, char **words, size_t n, struct cf_report *repo
             return cf_fail(report, "given: no such figure: %s", words[i]);
         }
     }
-    ram_nvm_init(&b->nvm, dg_store_size(&dg_hf_layout));
-    setup.nvm = ram_nvm_port(&b->nvm);
-    if (dg_hf_format(&b->model, setup.nvm) != 0 || dg_hf_init(&b->hf, &setup) != 0) {
-        return cf_fail(report, "given: these figures are refused");
+    if (in_window && is_beside() &&
+        !trial.beside.ops->needs(trial.beside.ctx, CF_EXACT | CF_POWER, report)) {
+        return false;
     }
-    b->ready = true;
-    return set_angle(b, raw) && step_power(b, power_on, in_window ? 3 : 2, report);
+    return make_device(b, take_trial(b, raw, text, sizeof text), in_window, report);
 }
 
 static bool step_wait(void *ctx, char **words, size_t n, struct cf_report *report)
@@ -397,8 +496,11 @@ static bool step_wait(void *ctx, char **words, size_t n, struct cf_report *repor
     struct bench *b = ctx;
     dg_ns wait = n == 2 ? span(b, words[1]) : 0;
 
-    run_until(b, b->now + wait, false);
-    return wait > 0 || cf_fail(report, "wait 5ms, 300us or 43b");
+    run_until(b, b->now + wait + trial.slack, false);
+    if (wait == 0) {
+        return cf_fail(report, "wait 5ms, 300us or 43b");
+    }
+    return !is_beside() || trial.beside.ops->waited(trial.beside.ctx, wait, report);
 }
 
 static bool step_world(void *ctx, char **words, size_t n, struct cf_report *report)
@@ -418,8 +520,8 @@ static bool step_world(void *ctx, char **words, size_t n, struct cf_report *repo
 static bool step_eeprom(void *ctx, char **words, size_t n, struct cf_report *report)
 {
     struct bench *b = ctx;
-    b->nvm.no_acknowledge = n == 2 && strcmp(words[1], "silent") == 0;
-    return b->nvm.no_acknowledge || (n == 2 && strcmp(words[1], "back") == 0) ||
+    b->nvm.silent = n == 2 && strcmp(words[1], "silent") == 0;
+    return b->nvm.silent || (n == 2 && strcmp(words[1], "back") == 0) ||
            cf_fail(report, "eeprom silent|back");
 }
 
@@ -436,7 +538,6 @@ static bool step_damage(void *ctx, char **words, size_t n, struct cf_report *rep
     }
     offset += dg_store_address(&dg_hf_layout, (uint8_t)region);
     b->nvm.bytes[offset] ^= (uint8_t)mask;
-    b->nvm.synced[offset] = b->nvm.bytes[offset];
     return true;
 }
 
@@ -452,7 +553,7 @@ static bool step_fill(void *ctx, char **words, size_t n, struct cf_report *repor
         return cf_fail(report, "fill REGION BYTE");
     }
     memset(bytes, (int)strtoul(words[2], NULL, 16), sizeof bytes);
-    if (dg_store_mount(&store, &dg_hf_layout, ram_nvm_port(&b->nvm)) != 0 ||
+    if (dg_store_mount(&store, &dg_hf_layout, cf_memory_port(&b->nvm)) != 0 ||
         dg_store_put(&store, (uint8_t)region, 0, bytes, dg_hf_layout.regions[region].size) != 0) {
         return cf_fail(report, "fill: the store refuses");
     }
@@ -505,12 +606,15 @@ static bool step_sincos(void *ctx, char **words, size_t n, struct cf_report *rep
 
 /* clang-format off */
 static const struct cf_step steps[] = {
-    {"given",  step_given,   false}, {">",      step_request, false}, {">+",     step_request, false},
-    {"<",      step_reply,   true},  {"<+",     step_reply,   true},  {"noise",  step_noise,   false},
-    {"wait",   step_wait,    false}, {"angle",  step_angle,   false}, {"rpm",    step_rpm,     false},
-    {"world",  step_world,   false}, {"eeprom", step_eeprom,  false}, {"damage", step_damage,  false},
-    {"fill",   step_fill,    false}, {"power",  step_power,   false}, {"line",   step_line,    false},
-    {"uart",   step_uart,    true},  {"sincos", step_sincos,  true},
+    {"given",  step_given,   false, 0},         {">",      step_request, false, 0},
+    {">+",     step_request, false, 0},         {"<",      step_reply,   true,  0},
+    {"<+",     step_reply,   true,  0},         {"noise",  step_noise,   false, CF_EXACT},
+    {"wait",   step_wait,    false, 0},         {"angle",  step_angle,   false, CF_SHAFT},
+    {"rpm",    step_rpm,     false, CF_SHAFT},  {"world",  step_world,   false, CF_INSIDE},
+    {"eeprom", step_eeprom,  false, CF_INSIDE}, {"damage", step_damage,  false, CF_INSIDE},
+    {"fill",   step_fill,    false, CF_INSIDE}, {"power",  step_power,   false, CF_POWER},
+    {"line",   step_line,    false, CF_EXACT},  {"uart",   step_uart,    true,  CF_INSIDE},
+    {"sincos", step_sincos,  true,  CF_INSIDE},
 };
 /* clang-format on */
 
@@ -529,7 +633,8 @@ static void begin(void *ctx)
 
 static bool finish(void *ctx, struct cf_report *report)
 {
-    return expect_nothing(ctx, 0, report);
+    return keep_silent(ctx, 0, report) &&
+           (!is_beside() || trial.beside.ops->silent(trial.beside.ctx, 1, report));
 }
 
 const struct cf_device *cf_hiperface(void)

@@ -9,39 +9,35 @@
 #include <string.h>
 
 #include "canopen_bench.h"
-#include "conformance.h"
 #include "drehgeber/bits.h"
-#include "drehgeber/devices.h"
-#include "ram_nvm.h"
 
-#define QUEUE_MAX 600u
 /* Longer than the node takes for any answer to an SDO request. */
 #define PATIENCE DG_MS(50)
 
-struct bench {
-    dg_ns now, deadline;
-    int64_t from; /* the shaft: angle at `since`, and its speed */
-    dg_ns since;
-    int64_t rpm, ramp; /* the latter in rpm/s */
-    const struct dg_device *device;
-    struct dg_cia406_model model;
-    struct dg_world world;
-    struct ram_nvm nvm;
-    struct dg_cia406 encoder;
-    struct dg_co_node node;
-    bool ready;      /* `given` has been */
-    bool stuck;      /* the node returned a deadline that does not lie ahead */
-    uint8_t node_id; /* whom `read` and `write` talk to */
-    uint16_t kbaud;  /* last bit rate the node reported */
-    dg_ns late;      /* the next frame is delivered so long after it came in */
-    uint8_t filter_version, filter_count;
-    uint16_t filters[DG_CO_FILTERS_MAX];
-    struct dg_can_frame sent[QUEUE_MAX];
-    dg_ns sent_at[QUEUE_MAX];
-    size_t sent_count, seen; /* the latter: expected so far */
-};
+static struct canopen_bench bench;
+/* What a row is run for; ops NULL: for the model alone. */
+static struct cf_canopen_trial trial;
+static const struct dg_co_device *(*made_of)(const struct dg_co_device *device);
 
-static struct bench bench;
+void cf_canopen_make(const struct dg_co_device *(*make)(const struct dg_co_device *device))
+{
+    made_of = make;
+}
+
+void cf_canopen_try(const struct cf_canopen_trial *wanted)
+{
+    trial = wanted != NULL ? *wanted : (struct cf_canopen_trial){.device = NULL};
+}
+
+static bool is_beside(void)
+{
+    return trial.beside.ops != NULL;
+}
+
+static struct cf_unit unit_of(const struct dg_can_frame *frame)
+{
+    return (struct cf_unit){frame->id, frame->rtr, frame->data, frame->dlc};
+}
 
 /* --- time, shaft, bus ---------------------------------------------------------------------- */
 
@@ -54,7 +50,7 @@ static dg_angle turns_of(int64_t figure, int64_t per_turn)
 /* Speed is exact to 100 ns, the ramp to 1 ms. A motion has always been: it has a past, too. */
 static dg_angle shaft_angle(void *ctx, dg_ns now)
 {
-    const struct bench *b = ctx;
+    const struct canopen_bench *b = ctx;
     const int64_t per_turn = 600000000;      /* 100 ns in a minute */
     const int64_t ramp_per_turn = 120000000; /* 2 * 60 s * 10^6 ms^2/s^2 */
     int64_t ns = (int64_t)(now - b->since);
@@ -66,9 +62,9 @@ static dg_angle shaft_angle(void *ctx, dg_ns now)
 
 static void on_send(void *ctx, const struct dg_can_frame *frame)
 {
-    struct bench *b = ctx;
+    struct canopen_bench *b = ctx;
 
-    if (b->sent_count < QUEUE_MAX) {
+    if (b->sent_count < CANOPEN_QUEUE_MAX) {
         b->sent[b->sent_count] = *frame;
         b->sent_at[b->sent_count] = b->now;
     }
@@ -77,7 +73,7 @@ static void on_send(void *ctx, const struct dg_can_frame *frame)
 
 static void on_bit_rate(void *ctx, uint16_t kbaud)
 {
-    struct bench *b = ctx;
+    struct canopen_bench *b = ctx;
 
     b->kbaud = kbaud;
 }
@@ -85,48 +81,52 @@ static void on_bit_rate(void *ctx, uint16_t kbaud)
 static const struct dg_co_ops bus = {.send = on_send, .bit_rate = on_bit_rate};
 
 /* A deadline counts from the end of the call that returned it, as a port's timer does. */
-static void note_deadline(struct bench *b, dg_ns deadline)
+void canopen_note_deadline(struct canopen_bench *b, dg_ns deadline)
 {
     b->stuck = b->stuck || deadline <= b->now;
     b->deadline = deadline;
 }
 
 /* Lets the node do what is due until `until`, or until it has sent something. */
-static void run_until(struct bench *b, dg_ns until, bool stop_at_frame)
+void canopen_run_until(struct canopen_bench *b, dg_ns until, bool stop_at_frame)
 {
     while (b->deadline <= until && !b->stuck && !(stop_at_frame && b->sent_count > b->seen)) {
         b->now = b->deadline;
-        note_deadline(b, dg_co_step(&b->node, b->now));
+        canopen_note_deadline(b, dg_co_step(&b->node, b->now));
     }
     if (!(stop_at_frame && b->sent_count > b->seen)) {
         b->now = until;
     }
 }
 
-static void ask_filters(struct bench *b)
+static void ask_filters(struct canopen_bench *b)
 {
     b->filter_version = b->node.filter_version;
     b->filter_count = dg_co_filters(&b->node, b->filters);
 }
 
-static void deliver(struct bench *b, const struct dg_can_frame *frame)
+static bool deliver(struct canopen_bench *b, const struct dg_can_frame *frame,
+                    struct cf_report *report)
 {
+    const struct cf_unit unit = unit_of(frame);
+
     if (b->filter_version != b->node.filter_version) {
         ask_filters(b);
     }
     if (b->late > 0) {
-        note_deadline(b, dg_co_step(&b->node, b->now));
+        canopen_note_deadline(b, dg_co_step(&b->node, b->now));
     }
     for (uint8_t i = 0; i < b->filter_count; i++) {
         if (b->filters[i] == frame->id) {
-            note_deadline(b, dg_co_rx(&b->node, b->now - b->late, frame));
+            canopen_note_deadline(b, dg_co_rx(&b->node, b->now - b->late, frame));
         }
     }
     b->late = 0;
+    return !is_beside() || trial.beside.ops->sent(trial.beside.ctx, &unit, report);
 }
 
 /* "5ms", "300us", "1s"; 0 when it is none of them. `*end` is what follows. */
-static dg_ns span(const char *word, const char **end)
+dg_ns canopen_span(const char *word, const char **end)
 {
     static const struct {
         const char *unit;
@@ -177,7 +177,7 @@ static bool parse_id(const char *word, struct dg_can_frame *to, struct cf_report
 /* > ID BYTES: SDO and LSS requests are filled up to 8 bytes; >! ID BYTES: as it stands */
 static bool step_data(void *ctx, char **words, size_t n, struct cf_report *report)
 {
-    struct bench *b = ctx;
+    struct canopen_bench *b = ctx;
     struct dg_can_frame frame = {0};
     bool padded;
 
@@ -191,14 +191,13 @@ static bool step_data(void *ctx, char **words, size_t n, struct cf_report *repor
     if (padded && words[0][1] != '!') {
         frame.dlc = 8;
     }
-    deliver(b, &frame);
-    return true;
+    return deliver(b, &frame, report);
 }
 
 /* rtr ID */
 static bool step_rtr(void *ctx, char **words, size_t n, struct cf_report *report)
 {
-    struct bench *b = ctx;
+    struct canopen_bench *b = ctx;
     struct dg_can_frame frame = {.rtr = true};
 
     if (n != 2) {
@@ -207,8 +206,7 @@ static bool step_rtr(void *ctx, char **words, size_t n, struct cf_report *report
     if (!parse_id(words[1], &frame, report)) {
         return false;
     }
-    deliver(b, &frame);
-    return true;
+    return deliver(b, &frame, report);
 }
 
 static void print_frame(char *to, size_t size, const struct dg_can_frame *frame)
@@ -221,17 +219,19 @@ static void print_frame(char *to, size_t size, const struct dg_can_frame *frame)
 }
 
 /* The next frame the node sent, or NULL. */
-static const struct dg_can_frame *next_frame(const struct bench *b)
+static const struct dg_can_frame *next_frame(const struct canopen_bench *b)
 {
-    return b->seen < b->sent_count && b->seen < QUEUE_MAX ? &b->sent[b->seen] : NULL;
+    return b->seen < b->sent_count && b->seen < CANOPEN_QUEUE_MAX ? &b->sent[b->seen] : NULL;
 }
 
-static bool expect_nothing(struct bench *b, dg_ns wait, struct cf_report *report)
+static bool expect_nothing(struct canopen_bench *b, dg_ns wait, struct cf_report *report)
 {
     dg_ns from = b->now;
     char got[64];
 
-    run_until(b, b->now + wait, true);
+    b->earliest = 0;
+    b->latest = 0;
+    canopen_run_until(b, b->now + wait, true);
     if (b->stuck) {
         return cf_fail(report, "the node wants to be stepped at once, again and again");
     }
@@ -240,14 +240,38 @@ static bool expect_nothing(struct bench *b, dg_ns wait, struct cf_report *report
         return cf_fail(report, "expected nothing, got %s after %llu ns", got,
                        (unsigned long long)(b->now - from));
     }
-    return true;
+    return !is_beside() || trial.beside.ops->silent(trial.beside.ctx, wait > 0 ? wait : 1, report);
 }
 
-static bool expect_frame(struct bench *b, const struct dg_can_frame *want, struct cf_report *report)
+/* The next frame of the model, and what the row expects of it; both may be what the other is not.
+ */
+static bool judge_beside(struct canopen_bench *b, const struct dg_can_frame *want,
+                         struct cf_report *report)
+{
+    const struct dg_can_frame *got = next_frame(b);
+    const struct cf_answer answer = {
+        .want = unit_of(want),
+        .got = got != NULL ? unit_of(got) : (struct cf_unit){.bytes = NULL},
+        .earliest_ns = b->earliest,
+        .latest_ns = b->latest,
+        .timed = b->latest > 0,
+    };
+
+    b->seen += got != NULL ? 1u : 0u;
+    b->earliest = 0;
+    b->latest = 0;
+    return trial.beside.ops->answered(trial.beside.ctx, &answer, report);
+}
+
+static bool expect_frame(struct canopen_bench *b, const struct dg_can_frame *want,
+                         struct cf_report *report)
 {
     const struct dg_can_frame *got = next_frame(b);
     char hex[2][64] = {"", "nothing"};
 
+    if (is_beside()) {
+        return judge_beside(b, want, report);
+    }
     print_frame(hex[0], sizeof hex[0], want);
     if (got != NULL) {
         print_frame(hex[1], sizeof hex[1], got);
@@ -261,22 +285,24 @@ static bool expect_frame(struct bench *b, const struct dg_can_frame *want, struc
 }
 
 /* "@10ms" or "@13ms..15ms": the next frame is sent then, counted from now, and not earlier. */
-static bool run_to_frame(struct bench *b, const char *word, struct cf_report *report)
+static bool run_to_frame(struct canopen_bench *b, const char *word, struct cf_report *report)
 {
     const char *rest;
     dg_ns from = b->now;
-    dg_ns earliest = span(word + 1, &rest);
+    dg_ns earliest = canopen_span(word + 1, &rest);
     dg_ns latest = earliest;
     dg_ns at;
 
     if (strncmp(rest, "..", 2) == 0) {
-        latest = span(rest + 2, &rest);
+        latest = canopen_span(rest + 2, &rest);
     }
     if (earliest == 0 || latest < earliest || *rest != '\0') {
         return cf_fail(report, "not a moment: %s", word);
     }
-    run_until(b, from + latest, true);
+    canopen_run_until(b, from + latest, true);
     at = next_frame(b) != NULL ? b->sent_at[b->seen] : DG_NEVER;
+    b->earliest = earliest;
+    b->latest = latest;
     return (at >= from + earliest && at <= from + latest) ||
            cf_fail(report, "expected a frame %s, got one after %lld ns", word,
                    at == DG_NEVER ? -1LL : (long long)(at - from));
@@ -285,14 +311,14 @@ static bool run_to_frame(struct bench *b, const char *word, struct cf_report *re
 /* < [@T] ID BYTES | < none [T] */
 static bool step_expect(void *ctx, char **words, size_t n, struct cf_report *report)
 {
-    struct bench *b = ctx;
+    struct canopen_bench *b = ctx;
     struct dg_can_frame want = {0};
     bool timed = n > 1 && words[1][0] == '@';
     size_t at = timed ? 2 : 1;
     const char *rest;
 
     if (n > 1 && strcmp(words[1], "none") == 0) {
-        return expect_nothing(b, n > 2 ? span(words[2], &rest) : 0, report);
+        return expect_nothing(b, n > 2 ? canopen_span(words[2], &rest) : 0, report);
     }
     if (n <= at) {
         return cf_fail(report, "< [@T] ID BYTES, or < none [T]");
@@ -305,11 +331,16 @@ static bool step_expect(void *ctx, char **words, size_t n, struct cf_report *rep
 /* skip N: exactly N frames wait to be expected; what they say is proved elsewhere */
 static bool step_skip(void *ctx, char **words, size_t n, struct cf_report *report)
 {
-    struct bench *b = ctx;
+    struct canopen_bench *b = ctx;
     size_t want = n == 2 ? strtoul(words[1], NULL, 10) : 0;
 
     if (b->sent_count - b->seen != want) {
         return cf_fail(report, "skip: %zu frames are there", b->sent_count - b->seen);
+    }
+    while (is_beside() && next_frame(b) != NULL) {
+        if (!judge_beside(b, next_frame(b), report)) {
+            return false;
+        }
     }
     b->seen = b->sent_count;
     return true;
@@ -337,7 +368,7 @@ static bool parse_object(const char *word, struct dg_can_frame *to, struct cf_re
  * `abort CODE`. Bytes are those on the wire. */
 static bool step_sdo(void *ctx, char **words, size_t n, struct cf_report *report)
 {
-    struct bench *b = ctx;
+    struct canopen_bench *b = ctx;
     bool reads = strcmp(words[0], "read") == 0;
     bool aborts = n >= 4 && strcmp(words[n - 2], "abort") == 0;
     size_t given = n < 2 ? 0 : n - 2 - (aborts ? 2u : 0u);
@@ -363,19 +394,21 @@ static bool step_sdo(void *ctx, char **words, size_t n, struct cf_report *report
         answer.data[0] = 0x80;
         dg_store_le32(&answer.data[4], (uint32_t)strtoul(words[n - 1], NULL, 16));
     }
-    deliver(b, &request);
-    run_until(b, b->now + PATIENCE, true);
+    if (!deliver(b, &request, report)) {
+        return false;
+    }
+    canopen_run_until(b, b->now + PATIENCE, true);
     return expect_frame(b, &answer, report);
 }
 
 /* --- the other steps ----------------------------------------------------------------------- */
 
-static bool power_on(struct bench *b, struct cf_report *report)
+static bool power_on(struct canopen_bench *b, struct cf_report *report)
 {
     const struct dg_co_setup setup = {
         .device = b->model.device,
         .world = &b->world,
-        .nvm = ram_nvm_port(&b->nvm),
+        .nvm = cf_memory_port(&b->nvm),
         .ops = &bus,
         .ctx = b,
         .application = &b->encoder,
@@ -391,7 +424,7 @@ static bool power_on(struct bench *b, struct cf_report *report)
     if (dg_co_power_on(&b->node, b->now) != 0) {
         return cf_fail(report, "the node does not start");
     }
-    note_deadline(b, dg_co_step(&b->node, b->now));
+    canopen_note_deadline(b, dg_co_step(&b->node, b->now));
     ask_filters(b);
     return true;
 }
@@ -399,45 +432,78 @@ static bool power_on(struct bench *b, struct cf_report *report)
 /* power on|off; the memory keeps what it has */
 static bool step_power(void *ctx, char **words, size_t n, struct cf_report *report)
 {
-    struct bench *b = ctx;
-    if (n == 2 && strcmp(words[1], "on") == 0) {
+    struct canopen_bench *b = ctx;
+    const bool on = n == 2 && strcmp(words[1], "on") == 0;
+
+    if (is_beside() && !trial.beside.ops->powered(trial.beside.ctx, on, report)) {
+        return false;
+    }
+    if (on) {
         return power_on(b, report);
     }
     dg_co_power_off(&b->node);
     b->deadline = DG_NEVER;
-    run_until(b, b->now + DG_MS(10), false);
+    canopen_run_until(b, b->now + DG_MS(10), false);
     return n == 2 && strcmp(words[1], "off") == 0 ? true : cf_fail(report, "power on|off");
+}
+
+/* What the words behind the model say; `*keep`: the boot-up frame is still to be expected. */
+static bool take_figures(struct canopen_bench *b, char **words, size_t n, uint32_t *serial,
+                         bool *keep, struct cf_report *report)
+{
+    for (size_t i = 2; i < n; i++) {
+        if (strncmp(words[i], "serial=", 7) == 0) {
+            *serial = (uint32_t)strtoul(words[i] + 7, NULL, 10);
+        } else if (strcmp(words[i], "turns=65536") == 0) {
+            b->model.turns = 65536;
+            b->model.device = &dg_cia406_multiturn_32;
+        } else if (strcmp(words[i], "boot") == 0) {
+            *keep = true;
+        } else {
+            return cf_fail(report, "given: no such figure: %s", words[i]);
+        }
+    }
+    return true;
+}
+
+/* The encoder in place of the one that a row names, and what is its own of it. */
+static void take_trial(struct canopen_bench *b, uint32_t *serial)
+{
+    if (trial.device != NULL) {
+        b->device = trial.device;
+        b->model = *dg_cia406_model_of(trial.device);
+    }
+    if (trial.placed) {
+        *serial = trial.serial;
+        b->from = turns_of(trial.raw, 65536);
+    }
 }
 
 /* given MODEL [serial=N] [turns=65536] [boot] */
 static bool step_given(void *ctx, char **words, size_t n, struct cf_report *report)
 {
-    struct bench *b = ctx;
-    const struct dg_device *device = n > 1 ? dg_device_find(words[1]) : NULL;
+    struct canopen_bench *b = ctx;
     uint32_t serial = 1234567890;
     bool keep = false;
 
-    if (device == NULL || device->stack != &dg_cia406_stack) {
+    b->device = n > 1 ? dg_device_find(words[1]) : NULL;
+    if (b->device == NULL || b->device->stack != &dg_cia406_stack) {
         return cf_fail(report, "given: no such model");
     }
-    b->device = device;
-    b->model = *dg_cia406_model_of(device);
-    for (size_t i = 2; i < n; i++) {
-        if (strncmp(words[i], "serial=", 7) == 0) {
-            serial = (uint32_t)strtoul(words[i] + 7, NULL, 10);
-        } else if (strcmp(words[i], "turns=65536") == 0) {
-            b->model.turns = 65536;
-            b->model.device = &dg_cia406_multiturn_32;
-        } else if (strcmp(words[i], "boot") == 0) {
-            keep = true;
-        } else {
-            return cf_fail(report, "given: no such figure: %s", words[i]);
-        }
+    b->model = *dg_cia406_model_of(b->device);
+    if (!take_figures(b, words, n, &serial, &keep, report)) {
+        return false;
     }
-    b->model.device = canopen_from_eds(b->model.device); /* if that is wanted */
-    ram_nvm_init(&b->nvm, dg_store_size(b->model.device->layout));
-    if (dg_co_format(b->model.device, ram_nvm_port(&b->nvm), serial) != 0) {
+    take_trial(b, &serial);
+    if (made_of != NULL) {
+        b->model.device = made_of(b->model.device);
+    }
+    cf_memory_init(&b->nvm, dg_store_size(b->model.device->layout));
+    if (dg_co_format(b->model.device, cf_memory_port(&b->nvm), serial) != 0) {
         return cf_fail(report, "given: the memory cannot be formatted");
+    }
+    if (keep && is_beside() && !trial.beside.ops->needs(trial.beside.ctx, CF_POWER, report)) {
+        return false;
     }
     b->ready = power_on(b, report);
     b->seen = keep ? 0 : b->sent_count;
@@ -446,28 +512,31 @@ static bool step_given(void *ctx, char **words, size_t n, struct cf_report *repo
 
 static bool step_wait(void *ctx, char **words, size_t n, struct cf_report *report)
 {
-    struct bench *b = ctx;
+    struct canopen_bench *b = ctx;
     const char *rest = "";
-    dg_ns wait = n == 2 ? span(words[1], &rest) : 0;
+    dg_ns wait = n == 2 ? canopen_span(words[1], &rest) : 0;
 
-    run_until(b, b->now + wait, false);
-    return (wait > 0 && *rest == '\0') || cf_fail(report, "wait 5ms, 300us or 1s");
+    canopen_run_until(b, b->now + wait + trial.slack, false);
+    if (wait == 0 || *rest != '\0') {
+        return cf_fail(report, "wait 5ms, 300us or 1s");
+    }
+    return !is_beside() || trial.beside.ops->waited(trial.beside.ctx, wait, report);
 }
 
 /* late T: a busy port delivers the next frame T after it came in */
 static bool step_late(void *ctx, char **words, size_t n, struct cf_report *report)
 {
-    struct bench *b = ctx;
+    struct canopen_bench *b = ctx;
     const char *rest = "";
 
-    b->late = n == 2 ? span(words[1], &rest) : 0;
+    b->late = n == 2 ? canopen_span(words[1], &rest) : 0;
     return (b->late > 0 && *rest == '\0') || cf_fail(report, "late 5ms, 300us or 1s");
 }
 
 /* turn 90DEG | turn 1000: to this angle, in degrees or in counts of 65536 a turn */
 static bool step_turn(void *ctx, char **words, size_t n, struct cf_report *report)
 {
-    struct bench *b = ctx;
+    struct canopen_bench *b = ctx;
     char *unit = NULL;
     int64_t figure = n == 2 ? strtoll(words[1], &unit, 10) : 0;
     int64_t per_turn = unit != NULL && strcmp(unit, "DEG") == 0 ? 360 : 65536;
@@ -482,7 +551,7 @@ static bool step_turn(void *ctx, char **words, size_t n, struct cf_report *repor
 /* rpm N | ramp N: N rpm, or from standstill N rpm a second */
 static bool step_rpm(void *ctx, char **words, size_t n, struct cf_report *report)
 {
-    struct bench *b = ctx;
+    struct canopen_bench *b = ctx;
     int64_t figure = n == 2 ? strtoll(words[1], NULL, 10) : 0;
     bool ramp = strcmp(words[0], "ramp") == 0;
 
@@ -493,112 +562,11 @@ static bool step_rpm(void *ctx, char **words, size_t n, struct cf_report *report
     return n == 2 || cf_fail(report, "rpm N | ramp N");
 }
 
-/* world QUANTITY N: a cause, in the unit of dg_world; bits are 0 and 1 */
-static bool step_world(void *ctx, char **words, size_t n, struct cf_report *report)
-{
-    struct bench *b = ctx;
-    struct dg_world *world = &b->world;
-    const struct {
-        const char *name;
-        uint32_t *figure;
-        bool *bit;
-    } quantities[] = {
-        {"temperature_mdegc", (uint32_t *)&world->temperature_mdegc, NULL},
-        {"battery_mv", &world->battery_mv, NULL},
-        {"led_current_ua", &world->led_current_ua, NULL},
-        {"singleturn_ok", NULL, &world->singleturn_ok},
-        {"multiturn_amplitude_ok", NULL, &world->multiturn_amplitude_ok},
-        {"multiturn_sync_ok", NULL, &world->multiturn_sync_ok},
-        {"multiturn_vector_ok", NULL, &world->multiturn_vector_ok},
-        {"eeprom_acknowledges", NULL, &world->eeprom_acknowledges},
-        {"watchdog_fired", NULL, &world->watchdog_fired},
-    };
-    const size_t count = DG_COUNT(quantities);
-    long value = n == 3 ? strtol(words[2], NULL, 10) : 0;
-    size_t i = 0;
-
-    while (i < count && (n != 3 || strcmp(quantities[i].name, words[1]) != 0)) {
-        i++;
-    }
-    if (i == count) {
-        return cf_fail(report, "world QUANTITY N");
-    }
-    if (quantities[i].bit == NULL) {
-        *quantities[i].figure = (uint32_t)value;
-        return true;
-    }
-    *quantities[i].bit = value != 0;
-    return true;
-}
-
-/* --- LEDs ---------------------------------------------------------------------------------- */
-
-static struct dg_cia406_leds look(struct bench *b)
-{
-    note_deadline(b, dg_co_step(&b->node, b->now));
-    return dg_cia406_leds(&b->node);
-}
-
-static bool lit(struct bench *b, bool red)
-{
-    struct dg_cia406_leds leds = look(b);
-
-    return red ? leds.err : leds.bus;
-}
-
-/* How long the LED stays as it is, at most 3 s. Leaves the bench at the change. */
-static dg_ns until_change(struct bench *b, bool red)
-{
-    dg_ns from = b->now;
-    bool first = lit(b, red);
-
-    while (lit(b, red) == first && b->now < from + DG_S(3)) {
-        run_until(b, b->now + DG_MS(1), false);
-    }
-    return b->now - from;
-}
-
-/* led bus|err on|off|T: lit, dark, or T lit and T dark */
-static bool step_led(void *ctx, char **words, size_t n, struct cf_report *report)
-{
-    struct bench *b = ctx;
-    bool red = n == 3 && strcmp(words[1], "err") == 0;
-    const char *rest;
-    dg_ns want = n == 3 ? span(words[2], &rest) : 0;
-    bool on = n == 3 && strcmp(words[2], "on") == 0;
-
-    if (n != 3 || (want == 0 && !on && strcmp(words[2], "off") != 0)) {
-        return cf_fail(report, "led bus|err on|off|T");
-    }
-    if (want > 0) {
-        (void)until_change(b, red);
-        return (until_change(b, red) == want && until_change(b, red) == want) ||
-               cf_fail(report, "led: it does not change after %s", words[2]);
-    }
-    return lit(b, red) == on || cf_fail(report, "led: it is not %s", words[2]);
-}
-
-/* leds together|apart: both in the same phase, or in opposite phase, for half a second */
-static bool step_leds(void *ctx, char **words, size_t n, struct cf_report *report)
-{
-    struct bench *b = ctx;
-    bool together = n == 2 && strcmp(words[1], "together") == 0;
-    bool held = together || (n == 2 && strcmp(words[1], "apart") == 0);
-
-    for (int i = 0; i < 500 && held; i++) {
-        struct dg_cia406_leds leds = look(b);
-
-        held = (leds.bus == leds.err) == together;
-        run_until(b, b->now + DG_MS(1), false);
-    }
-    return held || cf_fail(report, "leds together|apart: they are not");
-}
-
 /* bus off|active|passive|overrun|absent|present: what the CAN controller reports, and whether there
  * is a bus; what is said of that without power holds when the power comes */
 static bool step_bus(void *ctx, char **words, size_t n, struct cf_report *report)
 {
-    struct bench *b = ctx;
+    struct canopen_bench *b = ctx;
     static const struct {
         const char *word;
         enum dg_co_bus_event event;
@@ -610,7 +578,7 @@ static bool step_bus(void *ctx, char **words, size_t n, struct cf_report *report
 
     for (size_t i = 0; n == 2 && i < DG_COUNT(events); i++) {
         if (strcmp(words[1], events[i].word) == 0) {
-            note_deadline(b, dg_co_bus(&b->node, b->now, events[i].event));
+            canopen_note_deadline(b, dg_co_bus(&b->node, b->now, events[i].event));
             return true;
         }
     }
@@ -619,16 +587,16 @@ static bool step_bus(void *ctx, char **words, size_t n, struct cf_report *report
 
 static bool step_eeprom(void *ctx, char **words, size_t n, struct cf_report *report)
 {
-    struct bench *b = ctx;
-    b->nvm.no_acknowledge = n == 2 && strcmp(words[1], "silent") == 0;
-    return b->nvm.no_acknowledge || (n == 2 && strcmp(words[1], "back") == 0) ||
+    struct canopen_bench *b = ctx;
+    b->nvm.silent = n == 2 && strcmp(words[1], "silent") == 0;
+    return b->nvm.silent || (n == 2 && strcmp(words[1], "back") == 0) ||
            cf_fail(report, "eeprom silent|back");
 }
 
 /* damage REGION OFFSET [MASK] | stored REGION OFFSET BYTES: what has happened to the memory */
 static bool step_memory(void *ctx, char **words, size_t n, struct cf_report *report)
 {
-    struct bench *b = ctx;
+    struct canopen_bench *b = ctx;
     const struct dg_store_layout *layout = b->model.device->layout;
 
     return words[0][0] == 'd' ? canopen_damage(&b->nvm, layout, words, n, report)
@@ -638,7 +606,7 @@ static bool step_memory(void *ctx, char **words, size_t n, struct cf_report *rep
 /* eds SECTION KEY VALUE|none: a line of the EDS file */
 static bool step_eds(void *ctx, char **words, size_t n, struct cf_report *report)
 {
-    const struct bench *b = ctx;
+    const struct canopen_bench *b = ctx;
 
     return canopen_eds(b->device, words, n, report);
 }
@@ -646,7 +614,7 @@ static bool step_eds(void *ctx, char **words, size_t n, struct cf_report *report
 /* node ID: whom `read` and `write` talk to from now on */
 static bool step_node(void *ctx, char **words, size_t n, struct cf_report *report)
 {
-    struct bench *b = ctx;
+    struct canopen_bench *b = ctx;
     b->node_id = (uint8_t)(n == 2 ? strtoul(words[1], NULL, 16) : 0);
     return b->node_id != 0 || cf_fail(report, "node ID");
 }
@@ -654,7 +622,7 @@ static bool step_node(void *ctx, char **words, size_t n, struct cf_report *repor
 /* rate KBAUD: the bit rate in force */
 static bool step_rate(void *ctx, char **words, size_t n, struct cf_report *report)
 {
-    struct bench *b = ctx;
+    struct canopen_bench *b = ctx;
     return (n == 2 && strtoul(words[1], NULL, 10) == b->kbaud) ||
            cf_fail(report, "rate: got %u kBd", (unsigned)b->kbaud);
 }
@@ -663,20 +631,24 @@ static bool step_rate(void *ctx, char **words, size_t n, struct cf_report *repor
 
 /* clang-format off */
 static const struct cf_step steps[] = {
-    {"given", step_given, false}, {">",     step_data,   false}, {">!",     step_data,   false},
-    {"<",     step_expect, true}, {"skip",  step_skip,   true},  {"rtr",    step_rtr,    false},
-    {"read",  step_sdo,   true},  {"write", step_sdo,    true},  {"wait",   step_wait,   false},
-    {"turn",  step_turn,  false}, {"rpm",   step_rpm,    false}, {"bus",    step_bus,    false},
-    {"power", step_power, false}, {"eeprom", step_eeprom, false}, {"damage", step_memory, false},
-    {"node",  step_node,  false}, {"rate",  step_rate,   true},  {"late",  step_late,   false},
-    {"ramp",  step_rpm,  false}, {"world", step_world,  false}, {"led",    step_led,    true},
-    {"leds",  step_leds,  true},  {"stored", step_memory, false}, {"eds", step_eds, true},
+    {"given",  step_given,          false, 0},         {">",      step_data,           false, 0},
+    {">!",     step_data,           false, 0},         {"<",      step_expect,         true,  0},
+    {"skip",   step_skip,           true,  0},         {"rtr",    step_rtr,            false, 0},
+    {"read",   step_sdo,            true,  0},         {"write",  step_sdo,            true,  0},
+    {"wait",   step_wait,           false, 0},         {"turn",   step_turn,           false, CF_SHAFT},
+    {"rpm",    step_rpm,            false, CF_SHAFT},  {"ramp",   step_rpm,            false, CF_SHAFT},
+    {"bus",    step_bus,            false, CF_INSIDE}, {"power",  step_power,          false, CF_POWER},
+    {"eeprom", step_eeprom,         false, CF_INSIDE}, {"damage", step_memory,         false, CF_INSIDE},
+    {"stored", step_memory,         false, CF_INSIDE}, {"node",   step_node,           false, CF_INSIDE},
+    {"rate",   step_rate,           true,  CF_INSIDE}, {"late",   step_late,           false, CF_INSIDE},
+    {"world",  canopen_step_world,  false, CF_INSIDE}, {"led",    canopen_step_led,    true,  CF_INSIDE},
+    {"leds",   canopen_step_leds,   true,  CF_INSIDE}, {"eds",    step_eds,            true,  CF_INSIDE},
 };
 /* clang-format on */
 
 static void begin(void *ctx)
 {
-    struct bench *b = ctx;
+    struct canopen_bench *b = ctx;
 
     memset(b, 0, sizeof *b);
     b->now = DG_S(1);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * Conformance runner: a list of clauses of a manual, and rows that prove them.
+ * A list of clauses of a manual, and rows that prove them: read, and run.
  *
  * Clauses file, one per line:        Rows file:
  *   5.1.2.1-3 | text                   [5.1.2.1-3 R6a] title
@@ -15,11 +15,12 @@
  * it What a step means is the device's business (struct cf_device); this part knows only rows,
  * clauses, `repeat` and which clause is covered by which row.
  */
-#ifndef TESTS_CONFORMANCE_CONFORMANCE_H
-#define TESTS_CONFORMANCE_CONFORMANCE_H
+#ifndef DREHGEBER_VERIFY_ROWS_H
+#define DREHGEBER_VERIFY_ROWS_H
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 #include <stdio.h>
 
 #define CF_CLAUSES_MAX 800u
@@ -33,12 +34,63 @@ struct cf_report {
     char text[3000];
 };
 
+/** What a step needs beside the wire when the encoder is a real one; bits. */
+enum cf_need {
+    CF_SHAFT = 1u << 0,  /**< a shaft that is turned, as far and as fast as the step says */
+    CF_INSIDE = 1u << 1, /**< somebody who changes, or sees, what no wire leads to */
+    CF_EXACT = 1u << 2,  /**< times on the wire that are exact to a bit time */
+    CF_POWER = 1u << 3,  /**< a supply that can be cut */
+    CF_ALONE = 1u << 4,  /**< nobody else on the wire whom a request reaches */
+    CF_WRITE = 1u << 5,  /**< that the encoder may be changed, and changed back */
+    CF_ONE_WAY = 1u << 6 /**< that it may be changed for good */
+};
+
 /** A kind of step. The first one of a device's table begins every row. */
 struct cf_step {
     const char *verb;
     /** Do it; words[0] is the verb. @return false after cf_fail() */
     bool (*run)(void *ctx, char **words, size_t n, struct cf_report *report);
-    bool expects; /**< it can fail because of the device */
+    bool expects;   /**< it can fail because of the device */
+    unsigned needs; /**< always, whatever its words; bits of enum cf_need */
+};
+
+/** Bytes of a line (`id` is 0), or a frame of a bus. */
+struct cf_unit {
+    uint16_t id;
+    bool rtr;
+    const uint8_t *bytes;
+    size_t n;
+};
+
+/** What a row expects to be answered, and what the model has answered. */
+struct cf_answer {
+    struct cf_unit want;
+    struct cf_unit got;   /**< bytes NULL: nothing */
+    uint64_t earliest_ns; /**< behind what was sent last; 0: the row does not say */
+    uint64_t latest_ns;   /**< likewise */
+    bool timed;           /**< the row says when */
+};
+
+/**
+ * What does all that a row does beside the model: a real encoder on its wire, or somebody who wants
+ * to know what the row would do. It judges the answers in place of the steps. Every operation
+ * returns false after cf_fail().
+ */
+struct cf_beside_ops {
+    bool (*sent)(void *ctx, const struct cf_unit *request, struct cf_report *report);
+    bool (*answered)(void *ctx, const struct cf_answer *answer, struct cf_report *report);
+    /** Nothing may come within `ns`; 0: for as long as any answer can take; 1: by now. The model
+     * has kept silent. */
+    bool (*silent)(void *ctx, uint64_t ns, struct cf_report *report);
+    bool (*waited)(void *ctx, uint64_t ns, struct cf_report *report);
+    bool (*powered)(void *ctx, bool on, struct cf_report *report);
+    /** A step does what only bits of enum cf_need allow. */
+    bool (*needs)(void *ctx, unsigned needs, struct cf_report *report);
+};
+
+struct cf_beside {
+    const struct cf_beside_ops *ops;
+    void *ctx;
 };
 
 /** What runs the steps of a row. */
@@ -84,33 +136,22 @@ struct cf_suite {
     size_t line_count;
 };
 
-/** What an audit finds, by kind. */
-struct cf_audit {
-    unsigned duplicate;   /**< IDs that stand twice */
-    unsigned unknown;     /**< citations of an ID that does not exist */
-    unsigned uncovered;   /**< clauses without a row */
-    unsigned expectless;  /**< rows that cannot fail */
-    unsigned clauseless;  /**< rows that cite nothing */
-    unsigned same_titled; /**< rows with the title of another row */
-    unsigned unlisted;    /**< listed clauses that the page does not have, or that a row cites */
-};
-
 /** Print into `report` and return false. */
 bool cf_fail(struct cf_report *report, const char *format, ...);
 
 /** Split `text` at blanks, in place. @return number of words, at most `max` */
 size_t cf_split(char *text, char **words, size_t max);
 
+/** The kind of step that `text` begins with, or NULL. */
+const struct cf_step *cf_find_step(const struct cf_device *device, const char *text);
+
+/** The clause of this ID, or NULL. */
+struct cf_clause *cf_find_clause(struct cf_suite *suite, const char *id);
+
 /** Read the files; `page_name` may be NULL. @return false after saying on stderr what is wrong */
 bool cf_load(struct cf_suite *suite, const char *clauses_name, const char *rows_name,
              const char *page_name);
 void cf_unload(struct cf_suite *suite);
-
-/** Check that clauses and rows fit each other; says every finding on `to`. */
-struct cf_audit cf_audit(struct cf_suite *suite, const struct cf_device *device, FILE *to);
-
-/** Clauses covered per chapter, on `to`. Call after cf_audit(). */
-void cf_summary(const struct cf_suite *suite, FILE *to);
 
 /** Run one row. @return false with the reason, file and line in `report` */
 bool cf_run(const struct cf_suite *suite, const struct cf_row *row, const struct cf_device *device,
@@ -119,13 +160,7 @@ bool cf_run(const struct cf_suite *suite, const struct cf_row *row, const struct
 /** The steps of an S36 with RS485 (hiperface_steps.c). One bench: not for two at a time. */
 const struct cf_device *cf_hiperface(void);
 
-/** The steps of an S36 with BiSS (biss_steps.c). One bench: not for two at a time. */
-const struct cf_device *cf_biss(void);
-
 /** The steps of an F36x8 on CAN (canopen_steps.c). One bench: not for two at a time. */
 const struct cf_device *cf_canopen(void);
-
-/** The steps of an OCD with INTERBUS (interbus_steps.c). One bench: not for two at a time. */
-const struct cf_device *cf_interbus(void);
 
 #endif

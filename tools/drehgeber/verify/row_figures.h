@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /** Figures of a model or a world that steps name: `figure=value`. */
-#ifndef TESTS_CONFORMANCE_FIGURES_H
-#define TESTS_CONFORMANCE_FIGURES_H
+#ifndef DREHGEBER_VERIFY_ROW_FIGURES_H
+#define DREHGEBER_VERIFY_ROW_FIGURES_H
 
 #include <stdbool.h>
 #include <stddef.h>

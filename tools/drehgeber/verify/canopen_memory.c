@@ -13,7 +13,7 @@ static int place(const struct dg_store_layout *layout, char **words, size_t leng
     return region >= 0 && *offset + length <= layout->regions[region].size ? region : -1;
 }
 
-bool canopen_damage(struct ram_nvm *nvm, const struct dg_store_layout *layout, char **words,
+bool canopen_damage(struct cf_memory *nvm, const struct dg_store_layout *layout, char **words,
                     size_t n, struct cf_report *report)
 {
     unsigned long offset = 0;
@@ -25,11 +25,10 @@ bool canopen_damage(struct ram_nvm *nvm, const struct dg_store_layout *layout, c
     }
     offset += dg_store_address(layout, (uint8_t)region);
     nvm->bytes[offset] ^= (uint8_t)mask;
-    nvm->synced[offset] = nvm->bytes[offset];
     return true;
 }
 
-bool canopen_stored(struct ram_nvm *nvm, const struct dg_store_layout *layout, char **words,
+bool canopen_stored(struct cf_memory *nvm, const struct dg_store_layout *layout, char **words,
                     size_t n, struct cf_report *report)
 {
     unsigned long offset = 0;
@@ -41,7 +40,7 @@ bool canopen_stored(struct ram_nvm *nvm, const struct dg_store_layout *layout, c
         return cf_fail(report, "stored REGION OFFSET BYTES");
     }
     uint16_t size = layout->regions[region].size;
-    if (dg_store_mount(&store, layout, ram_nvm_port(nvm)) != DG_OK ||
+    if (dg_store_mount(&store, layout, cf_memory_port(nvm)) != DG_OK ||
         dg_store_read(&store, (uint8_t)region, 0, bytes, size) != DG_OK) {
         return cf_fail(report, "stored: the memory cannot be read");
     }

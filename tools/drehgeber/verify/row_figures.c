@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "figures.h"
+#include "row_figures.h"
 
 #include <stdint.h>
 #include <stdio.h>

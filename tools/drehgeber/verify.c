@@ -1,0 +1,500 @@
+/* SPDX-License-Identifier: MIT */
+/* Rows of clauses, run against a real encoder. */
+#define _GNU_SOURCE
+#include "verify.h"
+
+#include <errno.h>
+#include <libgen.h>
+#include <limits.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "complain.h"
+#include "say.h"
+#include "stacks.h"
+#include "verify_parts.h"
+
+#define BESIDE "share/drehgeber/clauses"
+
+static const struct verify_protocol *const protocols[] = {&verify_hiperface, &verify_canopen};
+
+/* What --help and the lines call what a row needs. */
+static const struct {
+    unsigned need;
+    const char *text;
+} needs[] = {
+    {CF_SHAFT, "a shaft that is turned as the row says"},
+    {CF_INSIDE, "a change, or a look, inside of the encoder, where no wire leads to"},
+    {CF_EXACT, "times or settings of the wire that this host cannot make exactly"},
+    {CF_ALONE, "an encoder that is alone on its wire (--alone)"},
+    {CF_WRITE, "to change the encoder and to change it back (--write)"},
+    {CF_ONE_WAY, "to change the encoder for good (--irreversible)"},
+    {CF_POWER, "a supply that can be cut (--power)"},
+};
+
+/* --- the rehearsal --- */
+
+/* What a row would do. */
+struct rehearsal {
+    const struct verify_protocol *protocol;
+    const struct verify_encoder *encoder;
+    unsigned needs;
+};
+
+static bool same_unit(const struct cf_unit *a, const struct cf_unit *b)
+{
+    return b->bytes != NULL && a->id == b->id && a->rtr == b->rtr && a->n == b->n &&
+           memcmp(a->bytes, b->bytes, a->n) == 0;
+}
+
+static bool rehearse_sent(void *ctx, const struct cf_unit *request, struct cf_report *report)
+{
+    struct rehearsal *self = ctx;
+    (void)report;
+    self->needs |= self->protocol->needs(self->encoder, request);
+    return true;
+}
+
+static bool rehearse_answered(void *ctx, const struct cf_answer *answer, struct cf_report *report)
+{
+    (void)ctx;
+    return same_unit(&answer->want, &answer->got) ||
+           cf_fail(report, "the model of this encoder answers otherwise");
+}
+
+/* A span that is shorter than a host may be late. */
+static bool rehearse_silent(void *ctx, uint64_t ns, struct cf_report *report)
+{
+    struct rehearsal *self = ctx;
+    (void)report;
+    self->needs |= ns > 1u && ns < DG_MS(50) ? CF_EXACT : 0u;
+    return true;
+}
+
+static bool rehearse_waited(void *ctx, uint64_t ns, struct cf_report *report)
+{
+    (void)ctx;
+    (void)ns;
+    (void)report;
+    return true;
+}
+
+static bool rehearse_powered(void *ctx, bool on, struct cf_report *report)
+{
+    struct rehearsal *self = ctx;
+    (void)on;
+    (void)report;
+    self->needs |= CF_POWER;
+    return true;
+}
+
+static bool rehearse_needs(void *ctx, unsigned wanted, struct cf_report *report)
+{
+    struct rehearsal *self = ctx;
+    (void)report;
+    self->needs |= wanted;
+    return true;
+}
+
+static const struct cf_beside_ops rehearsal_ops = {
+    .sent = rehearse_sent,
+    .answered = rehearse_answered,
+    .silent = rehearse_silent,
+    .waited = rehearse_waited,
+    .powered = rehearse_powered,
+    .needs = rehearse_needs,
+};
+
+/* --- a row --- */
+
+/* Everything at work. */
+struct verify {
+    const struct options *options;
+    const struct verify_protocol *protocol;
+    struct verify_encoder *encoder;
+    unsigned allowed; /* bits of enum cf_need */
+    struct verify_result result;
+};
+
+bool verify_fail(struct verify_encoder *self, enum verify_outcome outcome, struct cf_report *report,
+                 const char *format, ...)
+{
+    va_list args;
+    va_start(args, format);
+    (void)vsnprintf(report->text, sizeof report->text, format, args);
+    va_end(args);
+    self->outcome = outcome;
+    return false;
+}
+
+size_t verify_print_unit(const struct cf_unit *unit, char *to, size_t size)
+{
+    size_t at = 0;
+    if (unit->bytes == NULL) {
+        return (size_t)snprintf(to, size, " nothing");
+    }
+    if (unit->id != 0) {
+        at = (size_t)snprintf(to, size, " %03X%s", unit->id, unit->rtr ? " remote" : "");
+    }
+    for (size_t i = 0; i < unit->n && at + 4 < size; i++) {
+        at += (size_t)snprintf(to + at, size - at, " %02X", unit->bytes[i]);
+    }
+    return at;
+}
+
+/* "a row ...:" is not said: the text behind the file's name. */
+static struct verify_row settle(enum verify_outcome outcome, const char *text)
+{
+    struct verify_row row = {.outcome = outcome};
+    if (outcome != VERIFY_AGREES) {
+        row.text = strndup(text, VERIFY_TEXT_MAX);
+    }
+    return row;
+}
+
+/* What its steps need whatever they say. */
+static unsigned needs_of_steps(const struct cf_suite *suite, const struct cf_row *row,
+                               const struct cf_device *device)
+{
+    unsigned wanted = 0;
+    for (size_t i = 0; i < row->line_count; i++) {
+        const struct cf_step *step = cf_find_step(device, suite->lines[row->first_line + i].text);
+        wanted |= step == NULL ? 0u : step->needs;
+    }
+    return wanted;
+}
+
+static struct verify_row refuse(unsigned missing)
+{
+    struct lx_words text = {"needs "};
+    size_t n = 0;
+    for (size_t i = 0; i < DG_COUNT(needs); i++) {
+        if ((missing & needs[i].need) != 0) {
+            lx_words_add(&text, "%s%s", n++ == 0 ? "" : "; ", needs[i].text);
+        }
+    }
+    return settle(VERIFY_NOT_SEEN, text.text);
+}
+
+/* Whether the row can be run, and is about such an encoder; if not, `to` says why. */
+static bool rehearse(struct verify *self, const struct cf_suite *suite, const struct cf_row *row,
+                     struct verify_row *to)
+{
+    const struct cf_device *device = self->protocol->rows();
+    struct rehearsal rehearsal = {.protocol = self->protocol, .encoder = self->encoder};
+    const struct cf_beside beside = {&rehearsal_ops, &rehearsal};
+    struct cf_report report;
+    unsigned missing = needs_of_steps(suite, row, device) & ~self->allowed;
+    if ((missing & (CF_SHAFT | CF_INSIDE)) != 0) {
+        *to = refuse(missing & (CF_SHAFT | CF_INSIDE));
+        return false;
+    }
+    self->protocol->rehearse(self->encoder, &beside, 0);
+    const bool fits = cf_run(suite, row, device, &report);
+    self->protocol->rehearse(self->encoder, &beside, VERIFY_SLACK);
+    if (fits && !cf_run(suite, row, device, &report)) {
+        missing |= CF_EXACT;
+    }
+    missing |= rehearsal.needs & ~self->allowed;
+    if (!fits) {
+        *to = settle(VERIFY_NOT_SEEN, "is about an encoder with other figures");
+    } else if (missing != 0) {
+        *to = refuse(missing);
+    }
+    return fits && missing == 0;
+}
+
+/* Run a row that has been rehearsed. False: nobody is there any more. */
+static bool attempt(struct verify *self, const struct cf_suite *suite, const struct cf_row *row,
+                    struct verify_row *to)
+{
+    struct verify_encoder *encoder = self->encoder;
+    struct cf_report report = {""};
+    encoder->outcome = VERIFY_AGREES;
+    if (!self->protocol->begin(encoder, &report)) {
+        *to = settle(VERIFY_NOT_SEEN, report.text);
+        return false;
+    }
+    if (!cf_run(suite, row, self->protocol->rows(), &report) && encoder->outcome == VERIFY_AGREES) {
+        encoder->outcome = VERIFY_NOT_SEEN; /* the model's own state: a step it refuses */
+    }
+    *to = settle(encoder->outcome, report.text);
+    return encoder->outcome != VERIFY_LOST && self->protocol->end(encoder, &report);
+}
+
+bool verify_asked(const struct verify_result *result, const char *clause)
+{
+    bool asked = result->word_count == 0;
+    for (size_t i = 0; i < result->word_count; i++) {
+        asked = asked || strncmp(clause, result->words[i], strlen(result->words[i])) == 0;
+    }
+    return asked;
+}
+
+static bool cites_asked(const struct verify_result *result, const struct cf_row *row)
+{
+    bool asked = false;
+    for (size_t i = 0; i < row->cited_count; i++) {
+        asked = asked || verify_asked(result, row->cited[i]);
+    }
+    return asked;
+}
+
+static void run_row(struct verify *self, struct verify_suite *suite, size_t index)
+{
+    const struct cf_row *row = &suite->rows->rows[index];
+    struct verify_row *to = &suite->results[index];
+    if (!cites_asked(&self->result, row)) {
+        *to = settle(VERIFY_NOT_SEEN, "was not asked for");
+        return;
+    }
+    if (self->result.lost[0] != '\0') {
+        *to = settle(VERIFY_NOT_SEEN, self->result.lost);
+        return;
+    }
+    if (rehearse(self, suite->rows, row, to) && !attempt(self, suite->rows, row, to)) {
+        (void)snprintf(self->result.lost, sizeof self->result.lost,
+                       "the encoder was lost in the row '%s'", row->title);
+        if (to->outcome == VERIFY_LOST) {
+            to->outcome = VERIFY_DIFFERS;
+        }
+    }
+    if (!self->options->say.quiet && isatty(STDERR_FILENO)) {
+        (void)fprintf(stderr, "\r%s %zu of %zu ", suite->name, index + 1u, suite->rows->row_count);
+    }
+}
+
+enum verify_outcome verify_clause(const struct verify_suite *suite, const struct cf_clause *clause,
+                                  const struct verify_row **because)
+{
+    enum verify_outcome outcome = VERIFY_NOT_SEEN;
+    *because = NULL;
+    for (size_t i = 0; i < suite->rows->row_count; i++) {
+        const struct cf_row *row = &suite->rows->rows[i];
+        const struct verify_row *result = &suite->results[i];
+        bool cites = false;
+        for (size_t k = 0; k < row->cited_count; k++) {
+            cites = cites || strcmp(row->cited[k], clause->id) == 0;
+        }
+        const bool weightier = *because == NULL ||
+                               (result->outcome == VERIFY_DIFFERS && outcome != VERIFY_DIFFERS) ||
+                               (result->outcome == VERIFY_AGREES && outcome == VERIFY_NOT_SEEN);
+        if (cites && weightier) {
+            *because = result;
+            outcome = result->outcome;
+        }
+    }
+    return outcome;
+}
+
+/* --- clauses --- */
+
+/* Beside the program in a build tree, else where they are installed. */
+static int find_folder(char *to, size_t size, struct lx_error *error)
+{
+    const char *own = getenv(VERIFY_FOLDER);
+    char self[PATH_MAX];
+    const ssize_t n = readlink("/proc/self/exe", self, sizeof self - 1);
+    self[n < 0 ? 0 : n] = '\0';
+    const char *folder = dirname(self);
+    if (own != NULL && own[0] != '\0') {
+        (void)snprintf(to, size, "%s", own);
+    } else {
+        (void)snprintf(to, size, "%s/" BESIDE, folder);
+        if (access(to, X_OK) != 0) {
+            (void)snprintf(to, size, "%s/" DREHGEBER_CLAUSES_FOLDER, folder);
+        }
+    }
+    return access(to, X_OK) == 0
+               ? 0
+               : lx_fail(error, "no clauses at %s; $" VERIFY_FOLDER " names their folder", to);
+}
+
+static int load(struct verify *self, struct lx_error *error)
+{
+    char folder[PATH_MAX];
+    if (find_folder(folder, sizeof folder, error) != 0) {
+        return -1;
+    }
+    for (size_t i = 0; i < VERIFY_SUITES_MAX && self->protocol->suites[i] != NULL; i++) {
+        struct verify_suite *suite = &self->result.suites[i];
+        char clauses[PATH_MAX + 64];
+        char rows[PATH_MAX + 64];
+        suite->name = self->protocol->suites[i];
+        (void)snprintf(clauses, sizeof clauses, "%s/%s.clauses", folder, suite->name);
+        (void)snprintf(rows, sizeof rows, "%s/%s.rows", folder, suite->name);
+        suite->rows = calloc(1, sizeof *suite->rows);
+        if (suite->rows == NULL || !cf_load(suite->rows, clauses, rows, NULL)) {
+            return lx_fail(error, "%s: these clauses cannot be read", folder);
+        }
+        suite->rows->rows_name = suite->name;
+        suite->results = calloc(suite->rows->row_count + 1u, sizeof *suite->results);
+        if (suite->results == NULL) {
+            return lx_fail(error, "no memory");
+        }
+        self->result.suite_count++;
+    }
+    return 0;
+}
+
+static void unload(struct verify *self)
+{
+    for (size_t i = 0; i < VERIFY_SUITES_MAX; i++) {
+        struct verify_suite *suite = &self->result.suites[i];
+        for (size_t k = 0; suite->results != NULL && k < suite->rows->row_count; k++) {
+            free(suite->results[k].text);
+        }
+        if (suite->rows != NULL) {
+            cf_unload(suite->rows);
+        }
+        free(suite->results);
+        free(suite->rows);
+    }
+}
+
+/* --- the command --- */
+
+static const struct verify_protocol *protocol_of(const struct dg_device *device)
+{
+    for (size_t i = 0; device != NULL && i < DG_COUNT(protocols); i++) {
+        if (protocols[i]->stack == device->stack) {
+            return protocols[i];
+        }
+    }
+    return NULL;
+}
+
+static int refuse_options(const struct options *options, struct lx_error *error)
+{
+    struct lx_words right = {"right is one of:"};
+    for (size_t i = 0; i < DG_COUNT(protocols); i++) {
+        for (size_t k = 0; k < dg_device_count; k++) {
+            if (dg_devices[k]->stack == protocols[i]->stack) {
+                lx_words_add(&right, " %s", dg_devices[k]->name);
+            }
+        }
+    }
+    if (options->model == NULL) {
+        return lx_refuse(error, right.text, "verify needs a model");
+    }
+    if (protocol_of(options->device) == NULL) {
+        return lx_refuse(error, right.text, "verify has no clauses for %s", options->model);
+    }
+
+    if (options->wire == NULL || options->where == NULL) {
+        return lx_refuse(error, "right is, for example, --tty=/dev/ttyUSB0 or --can=can0",
+                         "verify needs the wire that leads to the encoder");
+    }
+    return 0;
+}
+
+static int write_file(const struct verify_result *result, const char *path,
+                      void (*print)(const struct verify_result *, FILE *), struct lx_error *error)
+{
+    if (path == NULL) {
+        return 0;
+    }
+    FILE *to = fopen(path, "we");
+    if (to == NULL) {
+        return lx_fail(error, "%s: %s", path, strerror(errno));
+    }
+    print(result, to);
+    const bool failed = ferror(to) != 0;
+    return fclose(to) != 0 || failed ? lx_fail(error, "%s: cannot be written", path) : 0;
+}
+
+/* @return how the program ends */
+static int tell(const struct verify *self)
+{
+    const struct verify_result *result = &self->result;
+    struct lx_error error;
+    (self->options->json ? verify_print_json : verify_print_lines)(result, stdout);
+    if (write_file(result, self->options->junit, verify_print_junit, &error) != 0 ||
+        write_file(result, self->options->report, verify_print_report, &error) != 0) {
+        return complain(&error, EXIT_FAILURE);
+    }
+    if (fflush(stdout) != 0 || ferror(stdout) != 0) {
+        lx_complain("cannot write to stdout");
+        return EXIT_FAILURE;
+    }
+    int status = result->lost[0] != '\0' ? EXIT_FAILURE : EXIT_SUCCESS;
+    for (size_t i = 0; i < result->suite_count; i++) {
+        const struct verify_suite *suite = &result->suites[i];
+        for (size_t k = 0; k < suite->rows->row_count; k++) {
+            status = suite->results[k].outcome == VERIFY_DIFFERS ? EXIT_FAILURE : status;
+        }
+    }
+    return status;
+}
+
+/* A word is a clause, or the beginning of several. */
+static int check_words(const struct verify_result *result, struct lx_error *error)
+{
+    for (size_t i = 0; i < result->word_count; i++) {
+        const struct verify_result one = {.words = result->words + i, .word_count = 1};
+        size_t found = 0;
+        for (size_t k = 0; k < result->suite_count; k++) {
+            const struct cf_suite *suite = result->suites[k].rows;
+            for (size_t n = 0; n < suite->clause_count; n++) {
+                found += verify_asked(&one, suite->clauses[n].id) ? 1u : 0u;
+            }
+        }
+        if (found == 0) {
+            return lx_refuse(error, "right is the beginning of one, such as 5.1.2 or M12-7",
+                             "no clause %s", result->words[i]);
+        }
+    }
+    return 0;
+}
+
+static int run(struct verify *self)
+{
+    struct lx_error error;
+    if (load(self, &error) != 0) {
+        return complain(&error, EXIT_FAILURE);
+    }
+    if (check_words(&self->result, &error) != 0) {
+        return complain(&error, 2);
+    }
+    self->encoder = self->protocol->open(self->options, &error);
+    if (self->encoder == NULL) {
+        return complain(&error, EXIT_FAILURE);
+    }
+    self->encoder->protocol = self->protocol;
+    self->result.encoder = self->encoder;
+    if (self->options->alone && self->protocol->scan(self->encoder, &error) != 0) {
+        self->protocol->close(self->encoder);
+        return complain(&error, EXIT_FAILURE);
+    }
+    for (size_t i = 0; i < self->result.suite_count; i++) {
+        struct verify_suite *suite = &self->result.suites[i];
+        for (size_t k = 0; k < suite->rows->row_count; k++) {
+            run_row(self, suite, k);
+        }
+    }
+    if (!self->options->say.quiet && isatty(STDERR_FILENO)) {
+        (void)fputs("\r\n", stderr);
+    }
+    const int status = tell(self);
+    self->protocol->close(self->encoder);
+    return status;
+}
+
+int verify_command(const struct options *options)
+{
+    struct verify self = {.options = options};
+    struct lx_error error;
+    if (refuse_options(options, &error) != 0) {
+        return complain(&error, 2);
+    }
+    self.protocol = protocol_of(options->device);
+    self.result.model = options->device->name;
+    self.result.words = options->words;
+    self.result.word_count = options->word_count;
+    self.allowed = (options->alone ? CF_ALONE : 0u);
+    const int status = run(&self);
+    unload(&self);
+    return status;
+}

@@ -1,0 +1,559 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * A real CANopen encoder against its clauses. Rows are about node 3Fh; to another one their
+ * identifiers are moved. The model beside the encoder has its serial number and its raw position.
+ * Frames of other nodes, and what the node sends by itself, are not looked at unless a row waits
+ * for them.
+ */
+#include <stdlib.h>
+#include <string.h>
+
+#include "canopen_steps.h"
+#include "drehgeber/bits.h"
+#include "drehgeber/devices.h"
+#include "timer.h"
+#include "verify_frames.h"
+#include "verify_parts.h"
+#include "verify_stream.h"
+
+/* Whom the rows talk to. */
+#define ROW_NODE 0x3Fu
+/* How long an SDO server may take; the manual has no limit. */
+#define ANSWER_MAX DG_S(1)
+/* What a host adds to a moment, beside its measured jitter. */
+#define HOST_ADDS DG_MS(20)
+/* How long something that must not come is waited for. */
+#define SILENCE DG_MS(20)
+#define READINGS 20u
+#define MOVES_MAX 64u
+/* Frames that are looked at for one of the node: a bus may be busy, and a babbling one is left. */
+#define FRAMES_MAX 4000u
+
+#define SDO_REQUEST 0x600u
+#define SDO_ANSWER 0x580u
+/* An identifier that no frame has. */
+#define NOBODY 0xFFFFu
+/* How long an answer to what was before may be on its way. */
+#define SETTLE DG_MS(5)
+#define GUARDING (0x700u + ROW_NODE)
+
+struct canopen {
+    struct verify_encoder base;
+    struct cf_canopen_trial trial;
+    struct verify_frames wire;
+    const struct dg_device *device;
+    uint8_t node;
+    bool alone;
+    dg_ns jitter;
+    uint32_t moves;
+    dg_ns since; /* the row's last step */
+    struct dg_can_frame request;
+};
+
+static struct canopen *of(struct verify_encoder *base)
+{
+    return (struct canopen *)base;
+}
+
+static uint32_t le32(const uint8_t *from)
+{
+    return (uint32_t)from[3] << 24 | (uint32_t)from[2] << 16 | (uint32_t)from[1] << 8 | from[0];
+}
+
+/* --- the bus --- */
+
+/* The identifier of a service of node `from`, for node `to`. */
+static uint16_t move_id(uint16_t id, uint8_t from, uint8_t to)
+{
+    const bool of_node = id >= 0x080u && id <= 0x77Fu && (id & 0x7Fu) == from;
+    return of_node ? (uint16_t)((id & 0x780u) | to) : id;
+}
+
+static bool send_frame(struct canopen *self, const struct dg_can_frame *frame,
+                       struct cf_report *report)
+{
+    self->request = *frame;
+    if (verify_frames_send(&self->wire, frame) != 0) {
+        return verify_fail(&self->base, VERIFY_LOST, report, "the wire takes nothing any more");
+    }
+    self->since = lx_real_now();
+    return true;
+}
+
+/* Whether it answers something: a PDO, an SDO, LSS. */
+static bool is_answer(const struct canopen *self, uint16_t id)
+{
+    return id == 0x7E4u ||
+           (id >= 0x180u && id < 0x600u && (id & 0x7Fu) == self->node && (id & 0x80u) != 0);
+}
+
+/* The next frame with this identifier, 0: that answers something. @return 1, 0: none came, -1:
+   lost, as `report` says */
+static int receive_id(struct canopen *self, uint16_t id, dg_ns until, struct dg_can_frame *to,
+                      struct cf_report *report)
+{
+    for (unsigned n = 0; n < FRAMES_MAX; n++) {
+        const int result = verify_frames_receive(&self->wire, until, to);
+        if (result < 0) {
+            (void)verify_fail(&self->base, VERIFY_LOST, report, "the wire is gone");
+            return -1;
+        }
+        if (result == 0 && lx_real_now() >= until) {
+            return 0;
+        }
+        if (result > 0 && (id == 0 ? is_answer(self, to->id) : to->id == id)) {
+            return 1;
+        }
+    }
+    (void)verify_fail(&self->base, VERIFY_LOST, report, "the bus is never silent");
+    return -1;
+}
+
+/* Upload an object of at most four bytes. @return whether it was answered so */
+static bool upload(struct canopen *self, uint16_t index, uint8_t sub, uint32_t *value)
+{
+    struct dg_can_frame frame = {.id = (uint16_t)(SDO_REQUEST + self->node), .dlc = 8};
+    struct cf_report report;
+    uint8_t bytes[4] = {0};
+    frame.data[0] = 0x40;
+    frame.data[1] = (uint8_t)index;
+    frame.data[2] = (uint8_t)(index >> 8);
+    frame.data[3] = sub;
+    if (!send_frame(self, &frame, &report) ||
+        receive_id(self, (uint16_t)(SDO_ANSWER + self->node), self->since + ANSWER_MAX, &frame,
+                   &report) != 1 ||
+        frame.dlc != 8 || (frame.data[0] & 0xF3u) != 0x43u ||
+        memcmp(frame.data + 1, self->request.data + 1, 3) != 0) {
+        return false;
+    }
+    memcpy(bytes, frame.data + 4, 4u - (frame.data[0] >> 2 & 3u));
+    *value = le32(bytes);
+    return true;
+}
+
+/* --- what is compared --- */
+
+enum kind {
+    CONSTANT,   /* it is what the model says */
+    CONFIGURED, /* so it is as delivered, but somebody may have changed it */
+    MEASURED,   /* any value is right */
+    POSITION    /* near to the model's */
+};
+
+/* Objects that are not constant: from, to, what they are. */
+static const struct {
+    uint16_t first, last;
+    enum kind kind;
+} objects[] = {
+    /* clang-format off */
+    {0x1003, 0x1003, CONFIGURED}, {0x1005, 0x1012, CONFIGURED}, {0x1013, 0x1013, MEASURED},
+    {0x1014, 0x1017, CONFIGURED}, {0x1029, 0x1029, CONFIGURED},
+    {0x1800, 0x1AFF, CONFIGURED}, {0x2100, 0x2102, CONFIGURED}, {0x2120, 0x2120, CONFIGURED},
+    {0x2125, 0x2125, MEASURED},   {0x2140, 0x2140, CONFIGURED}, {0x2160, 0x2160, POSITION},
+    {0x2161, 0x2162, MEASURED},   {0x6000, 0x6003, CONFIGURED}, {0x6004, 0x6004, POSITION},
+    {0x6030, 0x6030, MEASURED},   {0x6031, 0x6031, CONFIGURED}, {0x6040, 0x6040, MEASURED},
+    {0x6200, 0x6200, CONFIGURED}, {0x6401, 0x6402, CONFIGURED}, {0x6508, 0x6508, MEASURED},
+    {0x6509, 0x6509, CONFIGURED},
+    /* clang-format on */
+};
+
+/* What the data of an answer are: behind an upload those of an object, in a PDO measured. */
+static enum kind kind_of(const struct cf_unit *answer)
+{
+    const bool pdo = answer->id >= 0x180u && answer->id < 0x580u;
+    const bool uploaded = answer->id == SDO_ANSWER + ROW_NODE && answer->n == 8 &&
+                          (answer->bytes[0] & 0xF3u) == 0x43u;
+    if (pdo) {
+        return MEASURED;
+    }
+    const unsigned index = uploaded ? answer->bytes[1] | (unsigned)answer->bytes[2] << 8 : 0u;
+    for (size_t i = 0; uploaded && answer->bytes[3] + 1u > 0 && i < DG_COUNT(objects); i++) {
+        if (index >= objects[i].first && index <= objects[i].last) {
+            return objects[i].kind;
+        }
+    }
+    return CONSTANT;
+}
+
+static bool same_form(const struct cf_unit *a, const struct cf_unit *b)
+{
+    const size_t head = a->id >= 0x180u && a->id < 0x580u ? 0u : 4u;
+    return a->id == b->id && a->rtr == b->rtr && a->n == b->n &&
+           memcmp(a->bytes, b->bytes, a->n < head ? a->n : head) == 0;
+}
+
+static bool same_data(const struct cf_unit *a, const struct cf_unit *b)
+{
+    return a->n == b->n && memcmp(a->bytes, b->bytes, a->n) == 0;
+}
+
+/* The serial number is the encoder's own, too, and the model has the same. */
+static bool is_serial(const struct cf_unit *answer)
+{
+    static const uint8_t heads[][4] = {{0x43, 0x18, 0x10, 0x04}, {0x43, 0x0B, 0x65, 0x00}};
+    return answer->n == 8 &&
+           (memcmp(answer->bytes, heads[0], 4) == 0 || memcmp(answer->bytes, heads[1], 4) == 0);
+}
+
+/* Whether the model, which is in the encoder's state, still says what the row is about. */
+static bool is_as_delivered(const struct cf_answer *answer)
+{
+    const struct cf_unit *want = &answer->want;
+    if (answer->got.bytes == NULL || !same_form(want, &answer->got)) {
+        return false;
+    }
+    const enum kind kind = kind_of(want);
+    return kind == MEASURED || kind == POSITION || is_serial(want) || same_data(want, &answer->got);
+}
+
+static bool is_near(const struct canopen *self, uint32_t a, uint32_t b)
+{
+    const uint32_t up = a - b;
+    return up <= self->moves || 0u - up <= self->moves;
+}
+
+/* --- beside the model --- */
+
+static struct dg_can_frame frame_of(const struct cf_unit *unit)
+{
+    struct dg_can_frame frame = {.id = unit->id, .dlc = (uint8_t)unit->n, .rtr = unit->rtr};
+    memcpy(frame.data, unit->bytes, unit->n <= sizeof frame.data ? unit->n : sizeof frame.data);
+    return frame;
+}
+
+static bool on_sent(void *ctx, const struct cf_unit *request, struct cf_report *report)
+{
+    struct canopen *self = ctx;
+    struct dg_can_frame frame = frame_of(request);
+    frame.id = move_id(frame.id, ROW_NODE, self->node);
+    if (frame.id == 0 && frame.dlc == 2 && frame.data[1] == ROW_NODE) {
+        frame.data[1] = self->node;
+    }
+    return send_frame(self, &frame, report);
+}
+
+static bool differ(struct canopen *self, const struct cf_unit *expected,
+                   const struct dg_can_frame *came, struct cf_report *report)
+{
+    char text[3][100];
+    const struct cf_unit sent = {self->request.id, self->request.rtr, self->request.data,
+                                 self->request.dlc};
+    struct cf_unit moved = *expected;
+    struct cf_unit got = {.bytes = NULL};
+    moved.id = move_id(moved.id, ROW_NODE, self->node);
+    if (came != NULL) {
+        got = (struct cf_unit){came->id, came->rtr, came->data, came->dlc};
+    }
+    (void)verify_print_unit(&sent, text[0], sizeof text[0]);
+    (void)verify_print_unit(&moved, text[1], sizeof text[1]);
+    (void)verify_print_unit(&got, text[2], sizeof text[2]);
+    return verify_fail(&self->base, VERIFY_DIFFERS, report, "sent%s; expected%s; came%s", text[0],
+                       text[1], text[2]);
+}
+
+static bool judge(struct canopen *self, const struct cf_unit *expected,
+                  const struct dg_can_frame *came, struct cf_report *report)
+{
+    const struct cf_unit got = {move_id(came->id, self->node, ROW_NODE), came->rtr, came->data,
+                                came->dlc};
+    const enum kind kind = kind_of(expected);
+    if (expected->id == GUARDING && got.n == 1 && expected->n == 1 &&
+        ((got.bytes[0] ^ expected->bytes[0]) & 0x7Fu) == 0) {
+        return true; /* its toggle bit goes on from row to row, the model's begins again */
+    }
+    if (!same_form(expected, &got)) {
+        return differ(self, expected, came, report);
+    }
+    if (kind == MEASURED || same_data(expected, &got)) {
+        return true;
+    }
+    if (kind == POSITION && is_near(self, le32(got.bytes + 4), le32(expected->bytes + 4))) {
+        return true;
+    }
+    if (kind == CONFIGURED) {
+        return verify_fail(&self->base, VERIFY_NOT_SEEN, report, "needs %02X%02Xh:%u as delivered",
+                           got.bytes[2], got.bytes[1], (unsigned)got.bytes[3]);
+    }
+    return differ(self, expected, came, report);
+}
+
+static bool on_answered(void *ctx, const struct cf_answer *answer, struct cf_report *report)
+{
+    struct canopen *self = ctx;
+    struct dg_can_frame came;
+    if (!is_as_delivered(answer)) {
+        return verify_fail(&self->base, VERIFY_NOT_SEEN, report,
+                           "needs an encoder in its delivery state");
+    }
+    const uint16_t id = move_id(answer->got.id, ROW_NODE, self->node);
+    const dg_ns late = answer->latest_ns + self->jitter + HOST_ADDS;
+    const int result =
+        receive_id(self, id, self->since + (answer->timed ? late : ANSWER_MAX), &came, report);
+    if (result <= 0) {
+        return result == 0 && differ(self, &answer->got, NULL, report);
+    }
+    const dg_ns took = lx_real_now() - self->since;
+    self->since += took;
+    if (answer->timed && took + self->jitter + HOST_ADDS < answer->earliest_ns) {
+        return verify_fail(&self->base, VERIFY_DIFFERS, report, "%03Xh came after %llu us already",
+                           (unsigned)came.id, (unsigned long long)took / 1000u);
+    }
+    return judge(self, &answer->got, &came, report);
+}
+
+static bool on_silent(void *ctx, uint64_t ns, struct cf_report *report)
+{
+    struct canopen *self = ctx;
+    static const struct cf_unit nothing = {.bytes = NULL};
+    struct dg_can_frame came;
+    const dg_ns wait = ns > SILENCE ? ns : SILENCE;
+    const int result = receive_id(self, 0, lx_real_now() + wait, &came, report);
+    return result == 0 || (result > 0 && differ(self, &nothing, &came, report));
+}
+
+static bool on_waited(void *ctx, uint64_t ns, struct cf_report *report)
+{
+    struct canopen *self = ctx;
+    (void)report;
+    verify_stream_sleep(lx_real_now() + ns);
+    self->since = lx_real_now();
+    return true;
+}
+
+static bool on_powered(void *ctx, bool on, struct cf_report *report)
+{
+    struct canopen *self = ctx;
+    (void)on;
+    return verify_fail(&self->base, VERIFY_NOT_SEEN, report, "its supply cannot be cut");
+}
+
+/* What is not allowed is not run. */
+static bool on_needs(void *ctx, unsigned needs, struct cf_report *report)
+{
+    (void)ctx;
+    (void)needs;
+    (void)report;
+    return true;
+}
+
+static const struct cf_beside_ops beside_ops = {
+    .sent = on_sent,
+    .answered = on_answered,
+    .silent = on_silent,
+    .waited = on_waited,
+    .powered = on_powered,
+    .needs = on_needs,
+};
+
+/* --- rows --- */
+
+static void rehearse(struct verify_encoder *base, const struct cf_beside *beside, dg_ns slack)
+{
+    const struct cf_canopen_trial trial = {
+        .device = of(base)->device, .slack = slack, .beside = *beside};
+    cf_canopen_try(&trial);
+}
+
+/* Downloads change the encoder; all but SDO and node guarding reaches others, or what they do. */
+static unsigned needs_of(const struct verify_encoder *base, const struct cf_unit *request)
+{
+    (void)base;
+    if (request->id == SDO_REQUEST + ROW_NODE && !request->rtr && request->n > 0) {
+        const unsigned command = request->bytes[0] >> 5;
+        return command == 0 || command == 1 || command == 6 ? CF_WRITE : 0u;
+    }
+    if (request->id == 0x7E5u && request->n > 0 && request->bytes[0] >= 0x11u &&
+        request->bytes[0] <= 0x17u) {
+        return CF_ALONE | CF_ONE_WAY; /* its node number, its bit rate */
+    }
+    return request->id == GUARDING && request->rtr ? 0u : CF_ALONE;
+}
+
+/* No transfer is left of the row before, no answer is on its way; and somebody is there. */
+static bool settle(struct canopen *self, struct cf_report *report)
+{
+    const struct dg_can_frame abort = {
+        .id = (uint16_t)(SDO_REQUEST + self->node), .dlc = 8, .data = {0x80}};
+    struct dg_can_frame came;
+    uint32_t value;
+    for (unsigned i = 0; i < 3; i++) {
+        if (!send_frame(self, &abort, report) ||
+            receive_id(self, NOBODY, lx_real_now() + SETTLE, &came, report) < 0) {
+            return false;
+        }
+        if (upload(self, 0x1000, 0, &value)) {
+            return true;
+        }
+    }
+    return verify_fail(&self->base, VERIFY_LOST, report, "it does not answer any more");
+}
+
+static bool begin(struct verify_encoder *base, struct cf_report *report)
+{
+    struct canopen *self = of(base);
+    uint32_t value = 0;
+    if (!settle(self, report)) {
+        return false;
+    }
+    base->outcome = VERIFY_AGREES;
+    self->trial.raw = upload(self, 0x2160, 0, &value) ? value : 0;
+    self->trial.device = self->device;
+    self->trial.placed = true;
+    self->trial.beside = (struct cf_beside){&beside_ops, self};
+    cf_canopen_try(&self->trial);
+    return true;
+}
+
+/* The model begins pre-operational, and so does the encoder; LSS is left. */
+static void leave(struct canopen *self)
+{
+    static const struct dg_can_frame waiting = {.id = 0x7E5, .dlc = 8, .data = {0x04, 0x00}};
+    const struct dg_can_frame calm = {.id = 0, .dlc = 2, .data = {0x80, self->node}};
+    (void)verify_frames_send(&self->wire, &waiting);
+    (void)verify_frames_send(&self->wire, &calm);
+    verify_stream_sleep(lx_real_now() + SILENCE);
+}
+
+static bool end(struct verify_encoder *base, struct cf_report *report)
+{
+    struct canopen *self = of(base);
+    if (self->alone) {
+        leave(self);
+    }
+    const enum verify_outcome outcome = base->outcome;
+    const bool there = outcome != VERIFY_DIFFERS || settle(self, report);
+    base->outcome = there ? outcome : base->outcome;
+    return there;
+}
+
+/* --- the encoder --- */
+
+static int unanswered(const struct canopen *self, const char *where, struct lx_error *error)
+{
+    return lx_refuse(error, "--node says which is right, and the bus has to run at 250 kBd",
+                     "%s: node %u does not answer", where, (unsigned)self->node);
+}
+
+static int identify(struct canopen *self, const char *where, struct lx_error *error)
+{
+    uint32_t type = 0;
+    uint32_t product = 0;
+    uint32_t revision = 0;
+    uint32_t firmware = 0;
+    if (!upload(self, 0x1000, 0, &type) && !upload(self, 0x1000, 0, &type)) {
+        return unanswered(self, where, error);
+    }
+    (void)upload(self, 0x1018, 2, &product);
+    (void)upload(self, 0x1018, 3, &revision);
+    (void)upload(self, 0x1018, 4, &self->trial.serial);
+    (void)upload(self, 0x2103, 0, &firmware);
+    (void)snprintf(self->base.serial, sizeof self->base.serial, "%lu",
+                   (unsigned long)self->trial.serial);
+    (void)snprintf(self->base.identity, sizeof self->base.identity,
+                   "device type %08lXh, product %08lXh, revision %lu, firmware %lu",
+                   (unsigned long)type, (unsigned long)product, (unsigned long)revision,
+                   (unsigned long)firmware);
+    return 0;
+}
+
+/* How far readings of a shaft at rest, and times of answers, are apart. */
+static int measure(struct canopen *self, const char *where, struct lx_error *error)
+{
+    dg_ns shortest = DG_NEVER;
+    dg_ns longest = 0;
+    uint32_t before = 0;
+    for (unsigned i = 0; i < READINGS; i++) {
+        uint32_t now = 0;
+        const dg_ns from = lx_real_now();
+        if (!upload(self, 0x6004, 0, &now)) {
+            return unanswered(self, where, error);
+        }
+        const dg_ns took = lx_real_now() - from;
+        shortest = took < shortest ? took : shortest;
+        longest = took > longest ? took : longest;
+        while (i > 0 && !is_near(self, now, before) && self->moves <= MOVES_MAX) {
+            self->moves++;
+        }
+        before = now;
+    }
+    if (self->moves > MOVES_MAX) {
+        return lx_refuse(error, "right is a shaft at rest", "%s: the shaft turns", where);
+    }
+    self->moves = 2u * self->moves + 1u;
+    self->jitter = longest - shortest;
+    return 0;
+}
+
+static int take_node(struct canopen *self, const char *node, struct lx_error *error)
+{
+    char *end = NULL;
+    const unsigned long id = node == NULL ? ROW_NODE : strtoul(node, &end, 10);
+    if ((node != NULL && (end == node || *end != '\0')) || id < 1 || id > 127) {
+        return lx_refuse(error, "right is 1..127", "--node %s", node);
+    }
+    self->node = (uint8_t)id;
+    return 0;
+}
+
+/* An upload of 1000h hurts nobody. */
+static int scan(struct verify_encoder *base, struct lx_error *error)
+{
+    struct canopen *self = of(base);
+    const dg_ns until = lx_real_now() + VERIFY_SCAN;
+    struct dg_can_frame frame = {.dlc = 8, .data = {0x40, 0x00, 0x10, 0x00}};
+    for (uint16_t node = 1; node <= 127; node++) {
+        frame.id = (uint16_t)(SDO_REQUEST + node);
+        if (node != self->node && verify_frames_send(&self->wire, &frame) != 0) {
+            return lx_fail(error, "the wire takes nothing any more");
+        }
+        verify_stream_sleep(lx_real_now() + DG_MS(2));
+    }
+    while (lx_real_now() < until) {
+        const int result = verify_frames_receive(&self->wire, until, &frame);
+        if (result < 0 || (result > 0 && (frame.id & 0x7Fu) != self->node)) {
+            return lx_refuse(error, "without --alone nobody else is disturbed",
+                             "somebody else is on the bus: %03Xh was heard", (unsigned)frame.id);
+        }
+    }
+    return 0;
+}
+
+static void close_encoder(struct verify_encoder *base)
+{
+    struct canopen *self = of(base);
+    cf_canopen_try(NULL);
+    verify_frames_close(&self->wire);
+    free(self);
+}
+
+static struct verify_encoder *open_encoder(const struct options *options, struct lx_error *error)
+{
+    struct canopen *self = calloc(1, sizeof *self);
+    if (self == NULL) {
+        (void)lx_fail(error, "no memory");
+        return NULL;
+    }
+    self->device = options->device;
+    self->alone = options->alone;
+    self->wire.fd = -1;
+    if (take_node(self, options->node, error) != 0 ||
+        verify_frames_open(&self->wire, options->wire->name, options->where, error) != 0 ||
+        identify(self, options->where, error) != 0 || measure(self, options->where, error) != 0) {
+        close_encoder(&self->base);
+        return NULL;
+    }
+    return &self->base;
+}
+
+const struct verify_protocol verify_canopen = {
+    .stack = &dg_cia406_stack,
+    .suites = {"canopen", "cia406"},
+    .rows = cf_canopen,
+    .open = open_encoder,
+    .scan = scan,
+    .rehearse = rehearse,
+    .needs = needs_of,
+    .begin = begin,
+    .end = end,
+    .close = close_encoder,
+};

@@ -1,0 +1,117 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * What `drehgeber verify` is made of. A row is rehearsed first, with the model alone: that says
+ * what it needs, and whether it is about such an encoder at all. Then the real encoder is asked the
+ * same as the model beside it, and has to answer what the model answers.
+ */
+#ifndef DREHGEBER_TOOL_VERIFY_PARTS_H
+#define DREHGEBER_TOOL_VERIFY_PARTS_H
+
+#include <stdbool.h>
+#include <stdio.h>
+
+#include "error.h"
+#include "options.h"
+#include "rows.h"
+
+/* Most lists of clauses that a protocol has. */
+#define VERIFY_SUITES_MAX 2u
+/* What a wait of a host may take longer. */
+#define VERIFY_SLACK DG_MS(50)
+/* How long others on the wire are looked for. */
+#define VERIFY_SCAN DG_S(5)
+/* Longest text about a row. */
+#define VERIFY_TEXT_MAX 1200u
+
+/* What became of the row that runs. */
+enum verify_outcome {
+    VERIFY_AGREES,
+    VERIFY_DIFFERS,
+    VERIFY_NOT_SEEN, /* the encoder's own state is in the way */
+    VERIFY_LOST      /* nobody answers, or nobody stops */
+};
+
+struct verify_protocol;
+
+/* A real encoder on its wire; the first member of a protocol's own struct. */
+struct verify_encoder {
+    const struct verify_protocol *protocol;
+    char identity[160];          /* type and firmware, as it says itself */
+    char serial[48];             /* serial number, likewise */
+    enum verify_outcome outcome; /* of the row that runs, when its steps have failed */
+};
+
+/* What verifies encoders of a protocol. */
+struct verify_protocol {
+    const struct dg_stack *stack;
+    const char *suites[VERIFY_SUITES_MAX]; /* names of lists of clauses; NULL: no more */
+    const struct cf_device *(*rows)(void);
+    /* Open the wire, find the encoder and ask what it is. NULL with `error`. To be closed. */
+    struct verify_encoder *(*open)(const struct options *options, struct lx_error *error);
+    /* Look for others on the wire for VERIFY_SCAN, with nothing that they obey. 0, or -1 with
+       `error`: somebody is there. */
+    int (*scan)(struct verify_encoder *self, struct lx_error *error);
+    /* From now on rows are run for the model alone, as delivered, and for `beside`; each wait takes
+       `slack` longer. */
+    void (*rehearse)(struct verify_encoder *self, const struct cf_beside *beside, dg_ns slack);
+    /* What the request needs, bits of enum cf_need. */
+    unsigned (*needs)(const struct verify_encoder *self, const struct cf_unit *request);
+    /* Find out where the encoder is, and run rows for it from now on. False: it is lost, as
+       `report` says. */
+    bool (*begin)(struct verify_encoder *self, struct cf_report *report);
+    /* After a row: the encoder is as before it, and answers. False: it is lost, as `report` says.
+     */
+    bool (*end)(struct verify_encoder *self, struct cf_report *report);
+    void (*close)(struct verify_encoder *self);
+};
+
+extern const struct verify_protocol verify_hiperface, verify_canopen;
+
+/* cf_fail(), and `outcome` is what became of the row. */
+bool verify_fail(struct verify_encoder *self, enum verify_outcome outcome, struct cf_report *report,
+                 const char *format, ...) __attribute__((format(printf, 4, 5)));
+
+/* " 40 42 02", or "nothing". @return its length */
+size_t verify_print_unit(const struct cf_unit *unit, char *to, size_t size);
+
+/* A row that was run, or was not. */
+struct verify_row {
+    enum verify_outcome outcome;
+    char *text; /* owned; why; NULL: it agrees */
+};
+
+/* A list of clauses, and what became of its rows, one for each. */
+struct verify_suite {
+    struct cf_suite *rows;      /* owned */
+    struct verify_row *results; /* owned */
+    const char *name;
+};
+
+/* Everything that was found out. */
+struct verify_result {
+    const char *model;
+    const struct verify_encoder *encoder;
+    struct verify_suite suites[VERIFY_SUITES_MAX];
+    size_t suite_count;
+    char **words; /* beginnings of the clauses that are asked for; none: all are */
+    size_t word_count;
+    char lost[VERIFY_TEXT_MAX]; /* why it ended early; "" : it did not */
+};
+
+/* Whether the clause is asked for. */
+bool verify_asked(const struct verify_result *result, const char *clause);
+
+/* What became of a clause, and of which row that is; NULL: no row is about it. */
+enum verify_outcome verify_clause(const struct verify_suite *suite, const struct cf_clause *clause,
+                                  const struct verify_row **because);
+
+/* A line a clause, and the sum. */
+void verify_print_lines(const struct verify_result *result, FILE *to);
+/* For programs: an array of objects. */
+void verify_print_json(const struct verify_result *result, FILE *to);
+/* For CI: a test case a clause. */
+void verify_print_junit(const struct verify_result *result, FILE *to);
+/* For people: model, firmware, differences, and what it says about choices. */
+void verify_print_report(const struct verify_result *result, FILE *to);
+
+#endif

@@ -1,0 +1,117 @@
+/* SPDX-License-Identifier: MIT */
+#define _GNU_SOURCE
+#include "verify_stream.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <poll.h>
+#include <string.h>
+#include <sys/socket.h>
+#include <termios.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "endpoint.h"
+#include "serial.h"
+#include "timer.h"
+
+/* How long a wire may take what is sent. */
+#define SEND_LIMIT_MS 1000
+
+/* A pseudo-terminal has no parity, which Debian's C library may call an invalid argument: that it
+   has the speed is what counts. */
+static int configure(int fd, const struct lx_uart *uart)
+{
+    const speed_t speed = (speed_t)lx_speed_of_baud(uart->baud);
+    struct termios line;
+    if (tcgetattr(fd, &line) != 0) {
+        return -1;
+    }
+    cfmakeraw(&line);
+    line.c_cflag &= (tcflag_t) ~(PARENB | PARODD | CSTOPB | CRTSCTS);
+    line.c_cflag |= (tcflag_t)(CLOCAL | CREAD | (uart->parity != 'N' ? PARENB : 0) |
+                               (uart->parity == 'O' ? PARODD : 0));
+    line.c_cc[VMIN] = 1;
+    line.c_cc[VTIME] = 0;
+    if (cfsetispeed(&line, speed) != 0 || cfsetospeed(&line, speed) != 0) {
+        return -1;
+    }
+    if ((tcsetattr(fd, TCSADRAIN, &line) != 0 && errno != EINVAL) || tcgetattr(fd, &line) != 0) {
+        return -1;
+    }
+    errno = EINVAL;
+    return cfgetospeed(&line) == speed ? 0 : -1;
+}
+
+int verify_stream_open(const char *where, const struct lx_uart *uart, struct lx_error *error)
+{
+    if (strncmp(where, "tcp:", 4) == 0) {
+        const int fd = lx_endpoint_connect(where, error);
+        if (fd >= 0) {
+            (void)fcntl(fd, F_SETFL, O_NONBLOCK);
+        }
+        return fd;
+    }
+    const int fd = open(where, O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
+    if (fd < 0 || configure(fd, uart) != 0) {
+        (void)lx_fail(error, "%s: %s", where, strerror(errno));
+        if (fd >= 0) {
+            (void)close(fd);
+        }
+        return -1;
+    }
+    (void)tcflush(fd, TCIOFLUSH);
+    return fd;
+}
+
+static bool wait_for(int fd, short events, int limit_ms)
+{
+    struct pollfd ready = {.fd = fd, .events = events};
+    int result;
+    do {
+        result = poll(&ready, 1, limit_ms);
+    } while (result < 0 && errno == EINTR);
+    return result > 0;
+}
+
+int verify_stream_send(int fd, const void *bytes, size_t n)
+{
+    const char *from = bytes;
+    while (n > 0) {
+        const ssize_t sent = write(fd, from, n);
+        if (sent > 0) {
+            from += sent;
+            n -= (size_t)sent;
+        } else if (errno != EAGAIN || !wait_for(fd, POLLOUT, SEND_LIMIT_MS)) {
+            return -1;
+        }
+    }
+    return 0;
+}
+
+long verify_stream_receive(int fd, dg_ns until, void *to, size_t size)
+{
+    const dg_ns now = lx_real_now();
+    const dg_ns left = until > now ? until - now : 0;
+    const struct timespec limit = {
+        .tv_sec = (time_t)(left / DG_S(1)),
+        .tv_nsec = (long)(left % DG_S(1)),
+    };
+    struct pollfd ready = {.fd = fd, .events = POLLIN};
+    if (ppoll(&ready, 1, &limit, NULL) <= 0) {
+        return 0;
+    }
+    const ssize_t n = read(fd, to, size);
+    if (n < 0 && (errno == EAGAIN || errno == EINTR)) {
+        return 0;
+    }
+    return n > 0 ? n : -1;
+}
+
+void verify_stream_sleep(dg_ns until)
+{
+    const dg_ns now = lx_real_now();
+    const dg_ns left = until > now ? until - now : 0;
+    const struct timespec span = {(time_t)(left / DG_S(1)), (long)(left % DG_S(1))};
+    (void)nanosleep(&span, NULL);
+}
