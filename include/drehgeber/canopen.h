@@ -89,8 +89,7 @@ enum dg_co_type {
     DG_CO_U16 = 0x06,
     DG_CO_U32 = 0x07,
     DG_CO_STRING = 0x09, /**< default is the index into dg_co_device.strings */
-    DG_CO_WIDE =
-        0x0B, /**< 64 bits, which only PDOs have: its hook reads two words, low one first */
+    DG_CO_WIDE = 0x0B,   /**< low 32 of 64 bits, for PDOs; the row in front has the others */
     DG_CO_TYPE_COUNT
 };
 

@@ -353,13 +353,16 @@ static bool make_room(struct eds_maker *self)
 {
     struct dg_co_device *device = &self->to->device;
     const size_t count = self->in.count;
+    const size_t longs = count_longs(&self->in);
+
     device->hidden = dg_co_hide_rows(self->to->base, NULL);
-    struct dg_co_row *rows = dg_co_keep_bytes(&self->in, (device->hidden + count) * sizeof *rows);
+    struct dg_co_row *rows =
+        dg_co_keep_bytes(&self->in, (device->hidden + count + longs) * sizeof *rows);
     self->cells = dg_co_keep_bytes(&self->in, count * sizeof *self->cells);
     self->limits = dg_co_keep_bytes(&self->in, EDS_LIMITS_MAX * sizeof *self->limits);
     self->hooks = dg_co_keep_bytes(&self->in, EDS_HOOKS_MAX * sizeof *self->hooks);
     self->strings = dg_co_keep_bytes(&self->in, count * sizeof *self->strings);
-    self->longs = dg_co_keep_bytes(&self->in, count_longs(&self->in) * sizeof *self->longs);
+    self->longs = dg_co_keep_bytes(&self->in, longs * sizeof *self->longs);
     if (self->in.out) {
         return false;
     }

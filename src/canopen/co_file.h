@@ -167,8 +167,10 @@ dg_co_hook dg_co_hook_cell, dg_co_hook_follows, dg_co_hook_wide, dg_co_hook_keep
 #define EDS_TEXTS_MAX 64u
 /** Whether 32 bits and the text of a row do not hold the value of an entry (co_long_rows.c). */
 bool dg_co_is_long(const struct eds_entry *entry);
-/** Make its value, and its row, which the SDO server refuses. */
-void dg_co_make_long(struct eds_maker *self, struct eds_entry *entry, struct dg_co_row *row);
+/** dg_co_row.slot of the upper 32 of 64 bits; their row has none. */
+#define EDS_HIGH 1u
+/** Make its value, and its row, which the SDO server refuses, or two. @return how many */
+uint16_t dg_co_make_long(struct eds_maker *self, struct eds_entry *entry, struct dg_co_row *row);
 /** Of what 1010h keeps: as much as an EEPROM of 16 kB has room for, twice. */
 #define EDS_LONGS_KEPT 4096u
 /** Whether it has a place of its own in the memory of a node. */

@@ -212,10 +212,7 @@ enum dg_co_abort dg_co_hook_wide(struct dg_co_node *node, const struct dg_co_obj
     }
     const enum dg_co_abort abort =
         read_words(node, &file_of(node)->longs[object->row->initial], words);
-    value[0] = words[0];
-    if (co_type(object) == DG_CO_WIDE) {
-        value[1] = words[1];
-    }
+    *value = words[object->row->slot];
     return abort;
 }
 

@@ -225,20 +225,25 @@ static bool is_halved(const struct eds_maker *self, uint32_t key)
     return found;
 }
 
-/* For TPDOs, which have all of it or half. */
-static void make_mapped(struct eds_maker *self, const struct dg_co_long *from,
-                        struct dg_co_row *row)
+/* For TPDOs, which have all of it or half. All of it are two rows with one key, of which a search
+ * finds the last. */
+static uint16_t make_mapped(const struct eds_maker *self, const struct dg_co_long *from,
+                            struct dg_co_row *row)
 {
-    const uint32_t type = is_halved(self, from->key) ? DG_CO_U32 : DG_CO_WIDE;
-
-    row->hook = dg_co_keep_hook(self, dg_co_hook_wide);
-    row->flags = (uint16_t)(type << 12 | DG_CO_R | DG_CO_MAP);
+    row->flags = (uint16_t)(DG_CO_U32 << 12 | DG_CO_R | DG_CO_MAP);
     if (from->bound.row != NULL) {
         row->flags |= from->bound.row->flags & DG_CO_EVENT;
     }
+    if (is_halved(self, from->key)) {
+        return 1;
+    }
+    row[1] = *row;
+    row[1].flags ^= (DG_CO_U32 ^ DG_CO_WIDE) << 12;
+    row[0].slot = EDS_HIGH;
+    return 2;
 }
 
-void dg_co_make_long(struct eds_maker *self, struct eds_entry *entry, struct dg_co_row *row)
+uint16_t dg_co_make_long(struct eds_maker *self, struct eds_entry *entry, struct dg_co_row *row)
 {
     struct dg_co_long *to = &self->longs[self->to->long_count];
 
@@ -248,11 +253,12 @@ void dg_co_make_long(struct eds_maker *self, struct eds_entry *entry, struct dg_
     } else {
         make_text(self, entry, to);
     }
+    /* Also of those that no PDO has: it is none of the base's, so their rows are told apart. */
+    row->hook = dg_co_keep_hook(self, dg_co_hook_wide);
     row->flags = (uint16_t)(DG_CO_STRING << 12);
     row->initial = self->to->long_count++;
     self->to->plain++;
     bind_long(self, entry, to);
-    if (entry->map && to->least == 8u && (to->access & DG_CO_R) != 0) {
-        make_mapped(self, to, row);
-    }
+    return entry->map && to->least == 8u && (to->access & DG_CO_R) != 0 ? make_mapped(self, to, row)
+                                                                        : 1;
 }

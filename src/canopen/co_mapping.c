@@ -29,7 +29,8 @@ static enum dg_co_abort find_mapped(const struct dg_co_node *self, uint32_t entr
     if (!co_is(object, DG_CO_MAP | DG_CO_R)) {
         return DG_CO_NOT_MAPPABLE;
     }
-    return (entry & 0xFFu) == 8u * co_size(object) ? DG_CO_OK : DG_CO_INCOMPATIBLE;
+    const uint32_t bits = co_type(object) == DG_CO_WIDE ? 64u : 8u * co_size(object);
+    return (entry & 0xFFu) == bits ? DG_CO_OK : DG_CO_INCOMPATIBLE;
 }
 
 /* One more object. */
@@ -49,24 +50,34 @@ static void append(struct dg_co_tpdo *tpdo, const struct dg_co_object *object)
 static enum dg_co_abort resolve(struct dg_co_node *self, uint8_t n, uint32_t count)
 {
     struct dg_co_tpdo *tpdo = &self->tpdo[n];
-    enum dg_co_abort abort = count > DG_CO_MAPPED_MAX ? DG_CO_PDO_LENGTH : DG_CO_OK;
 
     tpdo->mapped_count = 0;
     tpdo->length = 0;
     tpdo->event_bytes = 0;
     memset(tpdo->last, 0, sizeof tpdo->last); /* zeros behind the data */
-    for (uint8_t i = 0; abort == DG_CO_OK && tpdo->length <= 8u && i < count; i++) {
+    if (count > DG_CO_MAPPED_MAX) {
+        return DG_CO_PDO_LENGTH;
+    }
+    for (uint8_t i = 0; i < count; i++) {
         uint32_t entry = self->value[CO_TPDO(n, CO_PDO_ENTRIES) + i];
         struct dg_co_object object;
         if (entry == 0) {
             continue;
         }
-        abort = find_mapped(self, entry, &object);
-        if (abort == DG_CO_OK) {
+        const enum dg_co_abort abort = find_mapped(self, entry, &object);
+        if (abort != DG_CO_OK) {
+            return abort;
+        }
+        const uint32_t end = tpdo->length + (entry & 0xFFu) / 8u;
+        if (end > 8u) {
+            return DG_CO_PDO_LENGTH;
+        }
+        while (tpdo->length < end) {
             append(tpdo, &object);
+            object.row--; /* the other half of 64 bits */
         }
     }
-    return abort == DG_CO_OK && tpdo->length > 8 ? DG_CO_PDO_LENGTH : abort;
+    return DG_CO_OK;
 }
 
 /*

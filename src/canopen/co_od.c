@@ -54,7 +54,7 @@ const struct dg_co_dictionary dg_co_common_dictionary = {DG_CO_ROWS(rows), limit
 const uint8_t dg_co_slot_event_timer = CO_TPDO(0, CO_PDO_EVENT_MS);
 const uint8_t dg_co_sizes[DG_CO_TYPE_COUNT] = {
     [DG_CO_I8] = 1,  [DG_CO_I16] = 2, [DG_CO_I32] = 4,    [DG_CO_U8] = 1,
-    [DG_CO_U16] = 2, [DG_CO_U32] = 4, [DG_CO_STRING] = 0, [DG_CO_WIDE] = 8,
+    [DG_CO_U16] = 2, [DG_CO_U32] = 4, [DG_CO_STRING] = 0, [DG_CO_WIDE] = 4,
 };
 
 static uint16_t index_of(const struct dg_co_row *row)

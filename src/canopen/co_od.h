@@ -51,10 +51,10 @@ static inline uint8_t co_size(const struct dg_co_object *object)
 {
     return dg_co_sizes[(uint32_t)object->row->flags >> 12];
 }
-/** What is left of a value, or of each of two, in the bytes of the type, which is no string. */
+/** What is left of a value in the bytes of the type, which is no string. */
 static inline uint32_t co_cut(const struct dg_co_object *object, uint32_t value)
 {
-    return value & 0xFFFFFFFFu >> ((32u - 8u * co_size(object)) & 31u);
+    return value & 0xFFFFFFFFu >> (32u - 8u * co_size(object));
 }
 /** Its hook, or NULL. */
 static inline dg_co_hook *co_hook(const struct dg_co_object *object)

@@ -31,14 +31,10 @@ static void build(struct dg_co_node *self, const struct dg_co_tpdo *tpdo, uint8_
 {
     for (uint8_t i = 0; i < tpdo->mapped_count; i++) {
         const struct dg_co_object object = co_numbered(self->setup.device, tpdo->mapped[i]);
-        uint8_t *end = data + co_size(&object);
-        uint32_t words[2];
-        (void)co_read(self, &object, words);
-        for (const uint32_t *word = words; data < end; word++) {
-            dg_store_le32(data, co_cut(&object, *word));
-            data += 4;
-        }
-        data = end;
+        uint32_t value;
+        (void)co_read(self, &object, &value);
+        dg_store_le32(data, co_cut(&object, value));
+        data += co_size(&object);
     }
 }
 

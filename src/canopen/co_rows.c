@@ -316,8 +316,8 @@ static uint32_t lent_default(const struct eds_maker *self, const struct dg_co_ob
     return own == dg_co_type_limits(base).max ? dg_co_type_limits(object).max : own;
 }
 
-/* @return false: nothing can be made of it */
-static bool make_row(struct eds_maker *self, struct eds_entry *entry, struct dg_co_row *row)
+/* @return how many rows; 0: nothing can be made of it */
+static uint16_t make_row(struct eds_maker *self, struct eds_entry *entry, struct dg_co_row *row)
 {
     const enum dg_co_type type = type_of(entry);
     struct dg_co_object base;
@@ -326,7 +326,7 @@ static bool make_row(struct eds_maker *self, struct eds_entry *entry, struct dg_
     if (type == DG_CO_TYPE_COUNT && !dg_co_is_long(entry)) {
         dg_co_note_lack(&self->in, entry, "DataType", "is left out: it has no such type",
                         "a data type of CiA 301, 0x1 to 0x1B");
-        return false;
+        return 0;
     }
     if (entry->access == 0) {
         dg_co_note_entry(&self->in, entry, "AccessType", "is missing: read only",
@@ -334,12 +334,11 @@ static bool make_row(struct eds_maker *self, struct eds_entry *entry, struct dg_
         entry->access = DG_CO_R;
     }
     if (dg_co_is_long(entry)) {
-        dg_co_make_long(self, entry, row);
-        return true;
+        return dg_co_make_long(self, entry, row);
     }
     if (type == DG_CO_STRING) {
         make_string(self, entry, row);
-        return true;
+        return 1;
     }
     row->flags = (uint16_t)((uint32_t)type << 12);
     const bool known = dg_co_find_base(self, entry, &base);
@@ -354,7 +353,7 @@ static bool make_row(struct eds_maker *self, struct eds_entry *entry, struct dg_
         note_plain(self, entry, known);
         make_plain(self, entry, row, entry->rank == EDS_COMPACT ? entry->compact : 0);
     }
-    return true;
+    return 1;
 }
 
 void dg_co_make_rows(struct eds_maker *self)
@@ -364,13 +363,11 @@ void dg_co_make_rows(struct eds_maker *self)
 
     for (size_t i = 0; i < self->in.count; i++) {
         struct dg_co_row *row = &self->rows[count];
-        if (!make_row(self, &self->in.entries[i], row)) {
-            continue;
-        }
-        if (count == 0 || (row[-1].key ^ row->key) >> 16 != 0) {
+        const uint16_t made = make_row(self, &self->in.entries[i], row);
+        if (made > 0 && (count == 0 || (row[-1].key ^ row->key) >> 16 != 0)) {
             self->to->objects++;
         }
-        count++;
+        count = (uint16_t)(count + made);
     }
     to->rows = self->rows;
     to->count = count;

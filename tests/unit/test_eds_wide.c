@@ -166,6 +166,36 @@ static void another_type_is_a_value_only(void **state)
     assert_true(eds_rig_is_noted(&rig, "6008", "read only"));
 }
 
+static bool is_long(const struct dg_co_file *file, uint32_t key)
+{
+    bool found = false;
+
+    for (uint16_t i = 0; i < file->long_count; i++) {
+        found = found || file->longs[i].key == (key & 0xFFFFFF00u);
+    }
+    return found;
+}
+
+/* Whoever writes rows down sees that these are no texts of the stack, nor its numbers. */
+static void their_rows_have_a_hook_of_their_own(void **state)
+{
+    (void)state;
+    eds_rig_read_text(&rig, HEAD WIDE "[2120]\nDataType=9\nAccessType=rw\n");
+    const struct dg_co_file *file = &rig.file.file;
+    const struct dg_co_row *rows = file->device.dictionary.rows;
+    uint8_t hook = 0;
+
+    for (uint16_t i = 0; i < file->device.dictionary.count; i++) {
+        if (is_long(file, rows[i].key)) {
+            assert_true(rows[i].hook != 0 && (hook == 0 || hook == rows[i].hook));
+            hook = rows[i].hook;
+        }
+    }
+    for (uint16_t i = 0; i < file->device.dictionary.count; i++) {
+        assert_true((rows[i].hook == hook) == is_long(file, rows[i].key));
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -175,6 +205,7 @@ int main(void)
         cmocka_unit_test(the_position_has_64_bits),
         cmocka_unit_test(a_preset_beyond_the_range_is_refused),
         cmocka_unit_test(another_type_is_a_value_only),
+        cmocka_unit_test(their_rows_have_a_hook_of_their_own),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

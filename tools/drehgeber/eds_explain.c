@@ -133,10 +133,12 @@ static int compare_lines(const void *a, const void *b)
 static void find_lines(struct explaining *self)
 {
     const struct dg_co_file *file = &self->file->encoder.file;
-    const uint16_t count = file->device.dictionary.count;
-    for (uint16_t i = 0; i < count; i++) {
-        self->lines[i] = (struct line){.key = file->device.dictionary.rows[i].key & 0xFFFFFF00u,
-                                       .role = roles[dg_co_role_of(file, i)]};
+    uint16_t count = 0;
+    for (uint16_t i = 0; i < file->device.dictionary.count; i++) {
+        const uint32_t key = file->device.dictionary.rows[i].key & 0xFFFFFF00u;
+        if (count == 0 || self->lines[count - 1u].key != key) { /* 64 bits may have two rows */
+            self->lines[count++] = (struct line){.key = key, .role = roles[dg_co_role_of(file, i)]};
+        }
     }
     self->line_count = count;
     for (size_t i = 0; i < self->file->note_count; i++) {
