@@ -10,6 +10,7 @@ import select
 import struct
 import subprocess
 import time
+import zipfile
 from pathlib import Path
 
 import pytest
@@ -90,9 +91,16 @@ def lines(tmp_path_factory):
     return folder
 
 
-@pytest.fixture(params=["line.vcd", "line.txt"])
+def session(path) -> Path:
+    """What sigrok makes of a VCD file."""
+    to = path.with_suffix(".sr")
+    subprocess.run(["sigrok-cli", "-i", path, "-I", "vcd", "-o", to], check=True, capture_output=True, timeout=60)
+    return to
+
+
+@pytest.fixture(params=["line.vcd", "line.txt", "line.sr"])
 def line(request, lines):
-    return lines / request.param
+    return session(lines / "line.vcd") if request.param == "line.sr" else lines / request.param
 
 
 class Adapter:
@@ -220,6 +228,11 @@ def test_no_difference_on_a_bus(bus):
 def test_no_difference_on_clocked_lines(frames):
     for model, path in frames.items():
         assert differences(path, "--against", model, *SETTINGS[model]) == [], model
+
+
+def test_sessions_of_sigrok_say_what_their_vcd_files_do(frames, lines):
+    for path in (*frames.values(), lines / "line.vcd"):
+        assert explain(session(path)).stdout == explain(path).stdout
 
 
 def test_another_model_is_different(line, bus):
@@ -449,6 +462,52 @@ def test_a_pcap_of_another_link(tmp_path):
     ended = explain(path)
     assert (ended.returncode, ended.stderr) == (
         1, f"drehgeber: {path}:0: packets of link type 1; expected 227, SocketCAN\n")
+
+
+METADATA = "[device 1]\ncapturefile=logic-1\nsamplerate=1 MHz\nprobe1=MA\nprobe2=SLO\nunitsize=1\n"
+SESSIONS = {
+    "no metadata": ({"version": "2"}, "expected a member 'metadata'"),
+    "no wire": ({"metadata": METADATA.replace("SLO", "D7")}, "expected signals request and reply"),
+    "no rate": ({"metadata": METADATA.replace("1 MHz", "1 Mhz")}, "expected capturefile, samplerate"),
+    "no unit": ({"metadata": METADATA.replace("unitsize=1", "unitsize=9")}, "unitsize of 1 to 8"),
+    "a high probe": ({"metadata": METADATA.replace("probe2", "probe9")}, "expected probes that fit the unitsize"),
+    "long metadata": ({"metadata": METADATA + "#" * 16384}, "expected less than 16384 characters"),
+}
+
+
+def write_session(path, members):
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, content in members.items():
+            archive.writestr(name, content)
+    return path
+
+
+@pytest.mark.parametrize("members, right", SESSIONS.values(), ids=SESSIONS)
+def test_a_forged_session_is_told(tmp_path, members, right):
+    path = write_session(tmp_path / "forged.sr", members)
+    ended = explain(path)
+    assert ended.returncode == 1
+    assert re.fullmatch(rf"drehgeber: {re.escape(str(path))}:0: .*; .*{right}.*\n", ended.stderr), ended.stderr
+
+
+def test_a_session_whose_samples_are_damaged(tmp_path):
+    samples = bytes(at // 7 % 4 for at in range(4096))
+    path = write_session(tmp_path / "damaged.sr", {"metadata": METADATA, "logic-1-1": samples, "logic-1-2": samples})
+    assert explain(path).returncode == 0
+    text = path.read_bytes()
+    middle = text.index(b"logic-1-2") + 9
+    path.write_bytes(text[:middle] + bytes(byte ^ 0xFF for byte in text[middle:middle + 8]) + text[middle + 8:])
+    ended = explain(path)
+    assert ended.returncode == 1
+    assert re.fullmatch(r"drehgeber: \S+:0: samples that cannot be unpacked, in sample \d+; expected a whole member\n",
+                        ended.stderr)
+
+
+def test_a_zip_file_with_a_large_directory_is_not_read(tmp_path):
+    path = write_session(tmp_path / "large.sr", {"metadata": METADATA})
+    path.write_bytes(path.read_bytes()[:-10] + struct.pack("<IIH", 2 << 20, 0, 0))
+    ended = explain(path)
+    assert ended.returncode == 1 and "expected a directory of up to a megabyte" in ended.stderr
 
 
 # --- the command line

@@ -179,11 +179,14 @@ static dg_ns recorded_time(const struct explain_replay *self, dg_ns at)
     return self->base + dg_elapsed(at, EXPLAIN_BEGIN + self->slip);
 }
 
+/* One of the two is not NULL. */
 static void tell(struct explain_replay *self, const struct explain_message *came,
                  const struct explain_said *model, bool solicited)
 {
     const struct explain_difference difference = {
-        .at = came != NULL ? came->at : recorded_time(self, model->at),
+        .at = came != NULL    ? came->at
+              : model != NULL ? recorded_time(self, model->at)
+                              : self->base,
         .asked = solicited && self->was_asked ? &self->question : NULL,
         .came = came,
         .model = model,

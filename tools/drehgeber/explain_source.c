@@ -144,10 +144,7 @@ size_t explain_hex(const char *at, size_t n, uint64_t *value)
 /* --- recordings --- */
 
 const struct explain_format *const explain_formats[] = {
-    &explain_pcap,
-    &explain_vcd,
-    &explain_candump,
-    &explain_serial,
+    &explain_pcap, &explain_sr, &explain_vcd, &explain_candump, &explain_serial,
 };
 const size_t explain_format_count = DG_COUNT(explain_formats);
 
@@ -170,8 +167,9 @@ struct explain_source *explain_source_open(FILE *file, const char *path, struct 
 {
     const struct explain_format *format = find_format(file);
     if (format == NULL) {
-        (void)lx_refuse(error, "expected a candump log, pcapng, pcap, VCD or a serial log",
-                        "%s:0: no recording that is known", path);
+        (void)lx_refuse(
+            error, "expected a candump log, pcapng, pcap, VCD, a session of sigrok or a serial log",
+            "%s:0: no recording that is known", path);
         return NULL;
     }
     struct explain_source *self = lx_allocate(format->size, "a recording", error);

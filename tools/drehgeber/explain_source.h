@@ -77,7 +77,8 @@ struct explain_source {
     uint64_t left_out;        /* frames that none of these encoders has: extended ones, CAN FD */
 };
 
-extern const struct explain_format explain_candump, explain_serial, explain_pcap, explain_vcd;
+extern const struct explain_format explain_candump, explain_serial, explain_pcap, explain_sr,
+    explain_vcd;
 
 /* All of them. */
 extern const struct explain_format *const explain_formats[];

@@ -1,74 +1,20 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Value change dump (IEEE 1364) with two signals of a wire. Their names say what it is:
- *
- *   REQUEST, TX and REPLY, RX                    RS485: characters are taken from the levels
- *   MA, CLOCK, CLK and SLO, SL, DATA             BiSS, SSI: clock and data
- *
- *   request  ¯¯¯|_0000001~|_0100001~|¯¯¯¯¯¯      a falling edge begins a character; each bit is
- *                ^ ^ ^ ^                         the level in the middle of it
- *
- * Changes of one moment are one event of a clocked line. Other signals are left alone.
+ * Value change dump (IEEE 1364) with the two signals of a wire. Other signals are left alone.
  */
 #include <inttypes.h>
 #include <string.h>
-#include <strings.h>
 
-#include "drehgeber/bits.h"
-#include "explain_source.h"
+#include "explain_levels.h"
 
 #define ID_MAX 16u
-#define SIDES 2u
-#define DATA_BITS 8u
-#define BITS_MAX 11u
-/* A character in each direction ends at a moment, or the line changes at it. */
-#define EVENTS_MAX 2u
-
-enum side {
-    FIRST,  /* request, clock */
-    SECOND, /* reply, data */
-};
-
-enum kind {
-    UNKNOWN,
-    CHARACTERS,
-    LEVELS,
-};
-
-/* clang-format off */
-static const struct {
-    const char *name;
-    enum kind kind;
-    enum side side;
-} names[] = {
-    {"REQUEST", CHARACTERS, FIRST}, {"TX",    CHARACTERS, FIRST},
-    {"REPLY",   CHARACTERS, SECOND}, {"RX",   CHARACTERS, SECOND},
-    {"MA",      LEVELS,     FIRST}, {"CLOCK", LEVELS,     FIRST}, {"CLK",  LEVELS, FIRST},
-    {"SLO",     LEVELS,     SECOND}, {"SL",   LEVELS,     SECOND}, {"DATA", LEVELS, SECOND},
-};
-/* clang-format on */
-
-/* A signal. */
-struct signal {
-    char id[ID_MAX];
-    bool level;
-    bool busy; /* characters: in the middle of one */
-    dg_ns start;
-    unsigned count;
-    uint16_t bits;
-};
 
 struct vcd {
     struct explain_source source;
-    enum kind kind;
     uint64_t step; /* in units of 1 ps */
-    dg_ns now;
-    bool changed; /* LEVELS: not told yet */
     bool over;
-    bool skips; /* to $end */
-    struct signal signals[SIDES];
-    size_t count; /* of events that wait */
-    struct dg_tap_event events[EVENTS_MAX];
+    char ids[EXPLAIN_SIDES][ID_MAX]; /* "": not found yet */
+    struct explain_levels levels;
 };
 
 static bool begins(const uint8_t *bytes, size_t n)
@@ -133,19 +79,11 @@ static int take_step(struct vcd *self, const char *token, size_t n, struct lx_er
     return refuse(self, token, "no timescale", "expected 1, 10 or 100 s, ms, us, ns or ps", error);
 }
 
-static void take_name(struct vcd *self, const char *id, size_t n, const char *name, size_t length)
+static void take_name(struct vcd *self, const char *id, const char *name, size_t length)
 {
-    for (size_t i = 0; i < DG_COUNT(names); i++) {
-        struct signal *signal = &self->signals[names[i].side];
-        const bool same =
-            strlen(names[i].name) == length && strncasecmp(names[i].name, name, length) == 0;
-        const bool fits = self->kind == UNKNOWN || self->kind == names[i].kind;
-        if (same && fits && signal->id[0] == '\0') {
-            self->kind = names[i].kind;
-            memcpy(signal->id, id, n);
-            signal->id[n] = '\0';
-            signal->level = true;
-        }
+    const enum explain_side side = explain_levels_find(&self->levels, name, length);
+    if (side != EXPLAIN_SIDES) {
+        (void)snprintf(self->ids[side], sizeof self->ids[side], "%s", id);
     }
 }
 
@@ -168,7 +106,7 @@ static int take_variable(struct vcd *self, struct lx_error *error)
             id_length = n < sizeof id ? n : 0; /* no signal of a wire has a longer one */
             memcpy(id, token, id_length);
         } else if (i == 3u && one && id_length > 0) {
-            take_name(self, id, id_length, token, n);
+            take_name(self, id, token, n);
         }
     }
     return 0;
@@ -222,98 +160,13 @@ static int open_vcd(struct explain_source *source, struct lx_error *error)
     source->sided = true;
     while ((found = take_section(self, error)) == 1) {
     }
-    if (found == 0 && (self->signals[FIRST].id[0] == '\0' || self->signals[SECOND].id[0] == '\0')) {
-        return refuse(self, self->source.text.token, "no wire",
-                      "expected signals request and reply, MA and SLO, or CLOCK and DATA", error);
+    if (found == 0 && !explain_levels_whole(&self->levels)) {
+        return refuse(self, self->source.text.token, "no wire", explain_levels_right, error);
     }
     return found;
 }
 
 /* --- what changes --- */
-
-static void put(struct vcd *self, const struct dg_tap_event *event)
-{
-    if (self->count < EVENTS_MAX) {
-        self->events[self->count++] = *event;
-    }
-}
-
-static unsigned bits_of(const struct dg_host_uart *uart)
-{
-    return uart->parity == 'N' ? 1u + DATA_BITS : 2u + DATA_BITS;
-}
-
-/* Start, data and parity bits are there. The stop bit is at the level of now. */
-static void end_character(struct vcd *self, enum side side)
-{
-    const struct dg_host_uart *uart = &self->source.uart;
-    struct signal *signal = &self->signals[side];
-    const unsigned bits = bits_of(uart);
-    struct dg_tap_event event = {
-        .at = signal->start + dg_bit_times_ns(bits + 1u, uart->baud),
-        .kind = DG_TAP_CHARACTER,
-        .ours = side == SECOND,
-    };
-    unsigned ones = 0;
-    for (unsigned i = 1; i < bits; i++) {
-        ones += signal->bits >> i & 1u;
-    }
-    event.character.baud = uart->baud;
-    event.character.parity = (char)uart->parity;
-    event.character.byte = (uint8_t)(signal->bits >> 1);
-    event.character.damaged = (uart->parity != 'N' && (ones & 1u) != (uart->parity == 'O')) ||
-                              (signal->bits >> bits & 1u) == 0;
-    put(self, &event);
-    signal->busy = false;
-}
-
-/* The middles of bits up to `at` have the level that the signal had until then. */
-static void sample(struct vcd *self, enum side side, dg_ns at)
-{
-    const struct dg_host_uart *uart = &self->source.uart;
-    struct signal *signal = &self->signals[side];
-    while (signal->busy) {
-        const dg_ns middle =
-            signal->start + dg_bit_times_ns(2u * signal->count + 1u, 2u * uart->baud);
-        if (middle >= at) {
-            return;
-        }
-        signal->bits |= (uint16_t)(signal->level ? 1u << signal->count : 0u);
-        signal->count++;
-        if (signal->count > bits_of(uart)) {
-            end_character(self, side);
-        }
-    }
-}
-
-static void change(struct vcd *self, enum side side, bool level)
-{
-    struct signal *signal = &self->signals[side];
-    const bool new = level != signal->level;
-    if (new && self->kind == CHARACTERS && !level && !signal->busy) {
-        signal->busy = true;
-        signal->start = self->now;
-        signal->count = 0;
-        signal->bits = 0;
-    }
-    signal->level = level;
-    self->changed |= new;
-}
-
-/* Time goes on: what has ended meanwhile is told. */
-static void advance(struct vcd *self, dg_ns at)
-{
-    if (self->kind == LEVELS && self->changed) {
-        struct dg_tap_event event = {.at = self->now, .kind = DG_TAP_LEVELS};
-        event.levels.clock = self->signals[FIRST].level;
-        event.levels.data = self->signals[SECOND].level;
-        put(self, &event);
-    } else if (self->kind == CHARACTERS) {
-        sample(self, FIRST, at);
-        sample(self, SECOND, at);
-    }
-    self->changed = false;
-}
 
 /* "#4711" */
 static int take_time(struct vcd *self, const char *token, size_t n, struct lx_error *error)
@@ -327,21 +180,21 @@ static int take_time(struct vcd *self, const char *token, size_t n, struct lx_er
     }
     const dg_ns at =
         self->step < 1000u ? value / (1000u / self->step) : value * (self->step / 1000u);
-    if (at < self->now) {
+    if (at < self->levels.now) {
         return refuse(self, token, "a time before the last one", "expected one behind it", error);
     }
-    if (at > self->now) {
-        advance(self, at);
+    if (at > self->levels.now) {
+        explain_levels_advance(&self->levels, &self->source.uart, at);
     }
-    self->now = at;
+    self->levels.now = at;
     return 0;
 }
 
 static void take_level(struct vcd *self, const char *id, size_t n, bool level)
 {
-    for (unsigned side = 0; side < SIDES; side++) {
-        if (is_word(id, n, self->signals[side].id)) {
-            change(self, (enum side)side, level);
+    for (unsigned side = 0; side < EXPLAIN_SIDES; side++) {
+        if (is_word(id, n, self->ids[side])) {
+            explain_levels_change(&self->levels, (enum explain_side)side, level);
         }
     }
 }
@@ -401,22 +254,16 @@ static int take_command(struct vcd *self, struct lx_error *error)
 static int next(struct explain_source *source, struct dg_tap_event *to, struct lx_error *error)
 {
     struct vcd *self = (struct vcd *)source;
-    while (self->count == 0 && !self->over) {
-        const int found = take_command(self, error);
-        if (found < 0) {
-            return -1;
+    while (!explain_levels_take(&self->levels, to)) {
+        const int found = self->over ? 0 : take_command(self, error);
+        if (found < 0 || self->over) {
+            return found;
         }
         if (found == 0) {
-            advance(self, DG_NEVER);
+            explain_levels_advance(&self->levels, &self->source.uart, DG_NEVER);
             self->over = true;
         }
     }
-    if (self->count == 0) {
-        return 0;
-    }
-    *to = self->events[0];
-    self->events[0] = self->events[1];
-    self->count--;
     explain_source_stamp(source, to->at, to);
     return 1;
 }

@@ -104,9 +104,10 @@ static const struct {
             "\n"
             "  drehgeber web --listen 127.0.0.1:0 --watch\n"},
     {"explain",
-     "CAPTURE is a log of candump, pcapng or pcap (SocketCAN), a VCD file (RS485, BiSS,\n"
-     "SSI) or a serial log: lines 'SECONDS < BYTES' of what went to the encoder, with >\n"
-     "what came. Each message is a line: when, which way, what it means, [chapter].\n"
+     "CAPTURE is a log of candump, pcapng or pcap (SocketCAN), a VCD file or a session of\n"
+     "sigrok (RS485, BiSS, SSI), or a serial log: lines 'SECONDS < BYTES' of what went to\n"
+     "the encoder, with > what came. Each message is a line: when, which way, what it\n"
+     "means, [chapter].\n"
      "\n"
      "With --against the master's side is replayed into MODEL at its moments, and what\n"
      "the encoder said otherwise is printed: bytes that came, bytes of the model.\n"
