@@ -14,7 +14,7 @@
 
 /* Edges of the clock in a frame; what is longer is another frame. */
 #define EXPLAIN_EDGES_MAX 1024u
-#define EXPLAIN_BITS_MAX (8u * EXPLAIN_BYTES_MAX)
+#define EXPLAIN_BITS_MAX ((size_t)8 * EXPLAIN_BYTES_MAX)
 
 struct explain_frame {
     size_t edges; /* of the clock */

@@ -8,7 +8,7 @@
 
 /* A pause of the master that ends a request, in characters. An encoder speaks only when it is
    asked: pauses in a reply are those of whoever has recorded it. */
-#define PAUSE 4u
+#define PAUSE UINT64_C(4)
 
 static enum dg_medium medium_of(const struct dg_tap_event *event)
 {

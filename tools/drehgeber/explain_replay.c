@@ -315,7 +315,7 @@ static void send(struct dg_host *host, const struct explain_message *message, bo
 /* Both live up to `to`, and are told `message` then; NULL: nothing. */
 static void live_both(struct explain_replay *self, dg_ns to, const struct explain_message *message)
 {
-    struct partner partners[EXPLAIN_SAID];
+    struct partner partners[EXPLAIN_SAID] = {{.index = 0}};
     self->voices[MODEL].count = 0;
     self->voices[PROBE].count = 0;
     if (message != NULL) {

@@ -162,7 +162,7 @@ static void take_probe(struct session *self, const char *number, size_t digits, 
     uint64_t probe;
     const enum explain_side side = explain_levels_find(&self->levels, name, n);
     if (side != EXPLAIN_SIDES && explain_number(number, digits, &probe) == digits && probe > 0 &&
-        probe <= 8u * UNIT_MAX) {
+        probe <= 8u * (uint64_t)UNIT_MAX) {
         self->probes[side] = (unsigned)probe - 1u;
     } else if (side != EXPLAIN_SIDES) {
         self->levels.signals[side].found = false;
