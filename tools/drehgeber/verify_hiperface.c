@@ -93,8 +93,8 @@ static bool send_frame(struct hiperface *self, const uint8_t *bytes, size_t n,
                        struct cf_report *report)
 {
     verify_stream_sleep(self->quiet + bits(PAUSE_BITS + 1u));
-    self->request.n = n;
-    memcpy(self->request.bytes, bytes, n);
+    self->request.n = n < sizeof self->request.bytes ? n : sizeof self->request.bytes;
+    memcpy(self->request.bytes, bytes, self->request.n);
     if (verify_stream_send(self->fd, bytes, n) != 0) {
         return verify_fail(&self->base, VERIFY_LOST, report, "the wire takes nothing any more");
     }

@@ -13,6 +13,8 @@
 #include "row_memory.h"
 
 #define REPLIES_MAX 4u
+/* Longest request of a row. */
+#define REQUEST_MAX 1100u
 /* Longer than any timeout (92 ms at 600 Bd) plus reaction time (250 ms). */
 #define PATIENCE DG_MS(700)
 /* A reply's moment may be off by rounding only. */
@@ -39,7 +41,7 @@ struct bench {
     bool ready; /* `given` has been */
     struct reply replies[REPLIES_MAX];
     size_t reply_count;
-    uint8_t request[256]; /* what has been sent last */
+    uint8_t request[REQUEST_MAX]; /* what has been sent last */
     size_t request_length;
 };
 
