@@ -65,7 +65,7 @@ static size_t read_octets(const struct eds_entry *entry, uint8_t *to)
             return 0;
         }
         if (to != NULL) {
-            to[digits / 2u] = (uint8_t)(to[digits / 2u] << 4 | digit);
+            to[digits / 2u] = (uint8_t)((uint32_t)to[digits / 2u] << 4 | digit);
         }
         digits++;
     }

@@ -87,13 +87,13 @@ static void end_character(struct explain_levels *self, const struct dg_host_uart
     };
     unsigned ones = 0;
     for (unsigned i = 1; i < bits; i++) {
-        ones += signal->bits >> i & 1u;
+        ones += (unsigned)signal->bits >> i & 1u;
     }
     event.character.baud = uart->baud;
     event.character.parity = (char)uart->parity;
     event.character.byte = (uint8_t)(signal->bits >> 1);
     event.character.damaged = (uart->parity != 'N' && (ones & 1u) != (uart->parity == 'O')) ||
-                              (signal->bits >> bits & 1u) == 0;
+                              ((unsigned)signal->bits >> bits & 1u) == 0;
     put(self, &event);
     signal->busy = false;
 }
