@@ -370,6 +370,17 @@ def test_a_changed_bit_on_a_clocked_line(frames, tmp_path, model):
     assert found and all(re.search(r"\n  came: ( [0-9A-F]{2})+\n  model:( [0-9A-F]{2})+$", block) for block in found)
 
 
+def test_a_frame_that_was_not_recorded_is_one_difference(frames, tmp_path):
+    """The life counter is another one from then on."""
+    text = frames["s3684-biss"].read_text()
+    at = [found.start() for found in re.finditer(r"^#\d+$", text, re.M)]
+    times = [int(found[1]) for found in re.finditer(r"^#(\d+)$", text, re.M)]
+    begins = [i for i in range(2, len(at)) if times[i] - times[i - 1] > 1000]  # 10 us of silence
+    cut = tmp_path / "cut.vcd"
+    cut.write_text(text[:at[begins[3]]] + text[at[begins[4]]:])
+    assert len(differences(cut, "--against", "s3684-biss")) == 1
+
+
 def signal(lines, names) -> str:
     """What a VCD file calls a signal."""
     (name,) = re.findall(rf"^\$var wire 1 (\S) (?:{names}) \$end$", "".join(lines), re.M)

@@ -123,8 +123,8 @@ static bool is_same(const struct explain_edges *self)
            memcmp(self->heard.bits, model->bits, model->count * sizeof model->bits[0]) == 0;
 }
 
-/* Where counters in frames stand is not known to who comes later: the first frame is asked for
-   until it is that of the recording. */
+/* Where counters in frames stand is not known to who comes later, or behind a frame that is
+   missing: a frame is asked for until it is that of the recording. */
 static void align(struct explain_edges *self)
 {
     for (unsigned i = 0; i < ROUND && !is_same(self); i++) {
@@ -132,7 +132,6 @@ static void align(struct explain_edges *self)
         self->slip += BETWEEN + (self->heard.at[self->heard.edges - 1u] - self->heard.at[0]);
         replay_once(self);
     }
-    self->aligned = true;
 }
 
 /* --- frames --- */
@@ -158,13 +157,16 @@ static void compare(struct explain_edges *self, const struct explain_message *ca
     if (came->n * 8u < BITS_MIN) {
         return;
     }
-    if (!self->aligned) {
+    if (self->lost) {
         align(self);
     }
-    if (!is_same(self)) {
+    const bool same = is_same(self);
+    if (!same) {
         model.n = pack(&self->said[MODEL], model.bytes);
         self->differs(self->ctx, &difference);
     }
+    self->lost = !same && self->same; /* one that is always different is not looked for */
+    self->same = same;
 }
 
 /* The frame is over. */
@@ -227,6 +229,8 @@ int explain_edges_run(struct explain_edges *self, struct lx_error *error)
     int found;
     self->half = DG_NEVER;
     self->data = true;
+    self->lost = true;
+    self->same = true;
     self->now = EXPLAIN_BEGIN;
     if (self->model != NULL) { /* a clock that stays high says what the line is */
         self->levels[PROBE] = dg_host_clock(self->model->probe, EXPLAIN_BEGIN, true) > 0;

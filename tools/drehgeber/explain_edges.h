@@ -37,8 +37,9 @@ struct explain_edges {
     dg_ns half; /* the shortest time between two edges of the clock */
     dg_ns base; /* of the recording */
     dg_ns slip;
-    dg_ns now;    /* of the model */
-    bool aligned; /* counters in frames are those of the recording */
+    dg_ns now; /* of the model */
+    bool lost; /* counters in frames may be others than those of the recording */
+    bool same; /* the last frame was that of the recording */
     uint64_t messages;
     bool levels[2];
     struct explain_frame heard; /* of the recording */
