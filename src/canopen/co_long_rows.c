@@ -105,7 +105,7 @@ static void make_text(struct eds_maker *self, struct eds_entry *entry, struct dg
     to->initial = bytes;
     if (octets != 0) {
         (void)read_octets(entry, bytes);
-    } else {
+    } else if (to->n > 0) { /* without a default there is no text at all */
         memcpy(bytes, entry->initial.at, to->n);
     }
 }
