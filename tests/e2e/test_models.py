@@ -215,7 +215,7 @@ def test_an_fmu_has_its_figures(tmp_path):
     path.write_text(LA26)
     assert run("fmu", path, "--output", tmp_path / "a.fmu").stderr == ""
     described = zipfile.ZipFile(tmp_path / "a.fmu").read("modelDescription.xml").decode()
-    assert "=la26:s3674-biss;-registers;st=26" in described
+    assert "=la26:s3674-biss;-registers;-eds;st=26" in described
 
 
 def test_a_wire_does_not_hide_what_is_wrong_in_a_file(tmp_path):

@@ -126,8 +126,8 @@ def test_a_text_needs_no_files(make: Make, files: pathlib.Path) -> None:
     fmu = make("slow", "--model", str(files / "texts.ini"))
     with zipfile.ZipFile(fmu.path) as archive:
         assert not [name for name in archive.namelist() if name.startswith("resources")]
-    assert "slow:s3674-biss;st=26;" in fmu.description.guid and "-registers" not in fmu.description.guid
-    assert "la26:s3674-biss;-registers;st=26" in make("la26", "--model", str(files / "texts.ini")).description.guid
+    assert "slow:s3674-biss;-eds;st=26;" in fmu.description.guid and "-registers" not in fmu.description.guid
+    assert "la26:s3674-biss;-registers;-eds;st=26" in make("la26", "--model", str(files / "texts.ini")).description.guid
 
 
 def ask(slave: Slave, node: int, request: str) -> str:

@@ -253,13 +253,19 @@ static void live(const struct part *self, unsigned from, unsigned to)
     }
 }
 
-static void note(const struct part *self, unsigned from, unsigned to, struct said *said)
+/* While the rig is there: names of topics are its own. */
+static void note_buses(const struct part *self, unsigned from, unsigned to, struct said *said)
 {
-    char path[64];
     for (unsigned bus = from; bus < to; bus++) {
         said->bus[bus] = topic(self, bus, "frames")->hash;
         said->count[bus] = topic(self, bus, "frames")->count;
     }
+}
+
+/* When the rig is closed: then all of it is written. */
+static void note_trace(const struct part *self, unsigned from, unsigned to, struct said *said)
+{
+    char path[64];
     if (from <= TRACED && TRACED < to) {
         (void)snprintf(path, sizeof path, "%s/b.log", self->folder);
         FILE *file = fopen(path, "r");
@@ -281,8 +287,9 @@ static struct said *live_in(unsigned rigs, unsigned threads)
         struct part part;
         open_part(&part, threads, from, to);
         live(&part, from, to);
+        note_buses(&part, from, to, said);
         close_rig(&part);
-        note(&part, from, to, said);
+        note_trace(&part, from, to, said);
         remove_files(&part);
     }
     return said;
