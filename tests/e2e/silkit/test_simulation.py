@@ -108,7 +108,8 @@ def test_packed_frames_are_those_of_a_can_bus(run):
     assert {time - at for time, at in told} == {STEP_NS}
 
 
-@pytest.mark.parametrize("message", [b"", bytes(11), pack(0, (0x800, b"")), pack(0, (0x80, b"")) + b"\0", bytes(2_000_000)])
+@pytest.mark.parametrize("message", [b"", bytes(11), pack(0, (0x800, b"")), pack(0, (0x80, b"")) + b"\0", bytes(2_000_000)],
+                         ids=["empty", "short", "identifier", "surplus", "long"])
 def test_what_is_no_packed_frames_is_said_once(registry, tmp_path, rig, join, message):
     def step(master, now):
         master.publish("CAN1/frames/to", PACKED, message)
