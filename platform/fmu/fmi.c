@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "fmi.h"
 
+#include <ctype.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -29,24 +30,43 @@ static int status_of(const struct fmi *self, const char *what, int result)
 
 /* --- life --- */
 
+/* Two hexadecimal digits. @return -1: they are none */
+static int code_of(const char *text)
+{
+    char digits[3] = "";
+    char *end;
+    (void)snprintf(digits, sizeof digits, "%.2s", text);
+    const unsigned long code = strtoul(digits, &end, 16);
+    return isxdigit((unsigned char)digits[0]) != 0 && end == digits + 2 ? (int)code : -1;
+}
+
+/* The path in a URI of FMI 2; a text that is none is a path already. */
+static const char *skip_scheme(const char *resources, bool *uri)
+{
+    static const char scheme[] = "file:";
+    *uri = strncmp(resources, scheme, strlen(scheme)) == 0;
+    if (!*uri) {
+        return resources;
+    }
+    const char *at = resources + strlen(scheme);
+    if (strncmp(at, "//", 2) == 0) {
+        at += 2 + strcspn(at + 2, "/"); /* a host, which is this one */
+    }
+    const bool drive = at[0] == '/' && at[1] != '\0' && at[2] == ':';
+    return drive ? at + 1 : at;
+}
+
 /* Where an importer says that resources are: FMI 2 says a URI. @return 0, or -1: it is too long */
 static int path_of(const char *resources, const char *name, char *to, size_t size)
 {
-    static const char scheme[] = "file:";
-    const bool uri = strncmp(resources, scheme, strlen(scheme)) == 0;
-    const char *at = resources + (uri ? strlen(scheme) : 0);
+    bool uri;
+    const char *at = skip_scheme(resources, &uri);
     size_t n = 0;
-    if (uri && strncmp(at, "//", 2) == 0) {
-        at += 2 + strcspn(at + 2, "/"); /* a host, which is this one */
-    }
-    if (uri && at[0] == '/' && at[1] != '\0' && at[2] == ':') {
-        at++; /* a drive */
-    }
     while (*at != '\0' && n + 1 < size) {
-        unsigned code = 0;
-        const bool escaped = uri && *at == '%' && sscanf(at + 1, "%2x", &code) == 1;
-        to[n++] = escaped ? (char)code : *at;
-        at += escaped ? 3 : 1;
+        const int code = uri && *at == '%' ? code_of(at + 1) : -1;
+        const unsigned char byte = (unsigned char)(code > 0 ? code : 0);
+        memcpy(&to[n++], code > 0 ? (const char *)&byte : at, 1);
+        at += code > 0 ? 3 : 1;
     }
     const int rest = snprintf(to + n, size - n, "/%s", name);
     return *at == '\0' && rest >= 0 && (size_t)rest < size - n ? 0 : -1;

@@ -11,7 +11,7 @@
 #include "drehgeber/crc.h"
 #include "drehgeber/text.h"
 
-#define FIGURES_MAX (DG_MODEL_STAMP_PARTS * DG_MODEL_STAMP_PART)
+#define FIGURES_MAX ((size_t)DG_MODEL_STAMP_PARTS * DG_MODEL_STAMP_PART)
 /* The store's: magic, id, size of the layout; a copy of it follows. */
 #define HEADER_SIZE 12u
 #define HEADER_ID 4u
@@ -127,10 +127,17 @@ static uint32_t make_id(const struct dg_model_stamp *self)
                     dg_text_length(self->figures, FIGURES_MAX));
 }
 
+/* Where a model of any protocol has its layout. */
+struct slot {
+    const struct dg_store_layout *layout;
+};
+
 static void set_layout(const struct dg_model_text *text, void *model,
                        const struct dg_store_layout *layout)
 {
-    memcpy((uint8_t *)model + text->memory->layout_at, &layout, sizeof layout);
+    const struct slot slot = {layout};
+
+    memcpy((uint8_t *)model + text->memory->layout_at, &slot, sizeof slot);
 }
 
 void dg_model_stamp_make(struct dg_model_stamp *to, const struct dg_model_text *text, void *model)
@@ -153,12 +160,12 @@ void dg_model_stamp_make(struct dg_model_stamp *to, const struct dg_model_text *
 
 const struct dg_model_stamp *dg_model_stamp_of(const struct dg_model_text *text, const void *model)
 {
-    const struct dg_model_stamp *stamp = NULL;
+    struct slot slot = {NULL};
 
     if (text != NULL && text->memory != NULL) {
-        memcpy(&stamp, (const uint8_t *)model + text->memory->layout_at, sizeof stamp);
+        memcpy(&slot, (const uint8_t *)model + text->memory->layout_at, sizeof slot);
     }
-    return stamp;
+    return (const struct dg_model_stamp *)(const void *)slot.layout; /* its first member */
 }
 
 void dg_model_stamp_part(const struct dg_store_layout *layout, size_t part, uint8_t *out)

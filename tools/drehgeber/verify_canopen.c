@@ -440,7 +440,9 @@ static int identify(struct canopen *self, const char *where, struct lx_error *er
     uint32_t product = 0;
     uint32_t revision = 0;
     uint32_t firmware = 0;
-    if (!upload(self, 0x1000, 0, &type) && !upload(self, 0x1000, 0, &type)) {
+    bool answered = upload(self, 0x1000, 0, &type);
+    answered = answered || upload(self, 0x1000, 0, &type); /* the first one may have met a frame */
+    if (!answered) {
         return unanswered(self, where, error);
     }
     (void)upload(self, 0x1018, 2, &product);

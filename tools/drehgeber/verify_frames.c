@@ -2,6 +2,7 @@
 #define _GNU_SOURCE
 #include "verify_frames.h"
 
+#include <ctype.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <linux/can.h>
@@ -74,19 +75,35 @@ int verify_frames_send(struct verify_frames *self, const struct dg_can_frame *fr
     return verify_stream_send(self->fd, line, (size_t)n);
 }
 
+/* So many hexadecimal digits. @return whether they are there */
+static bool parse_hex(const char *text, size_t digits, uint32_t *value)
+{
+    static const char all[] = "0123456789ABCDEF";
+    *value = 0;
+    for (size_t i = 0; i < digits; i++) {
+        const char *digit = text[i] == '\0' ? NULL : strchr(all, toupper((unsigned char)text[i]));
+        if (digit == NULL) {
+            return false;
+        }
+        *value = *value << 4 | (uint32_t)(digit - all);
+    }
+    return true;
+}
+
 /* "t63F840001000...", "r73F1". @return whether it is a frame with 11 bits */
 static bool parse_line(const char *line, struct dg_can_frame *to)
 {
-    unsigned id = 0;
-    unsigned length = 0;
-    if ((line[0] != 't' && line[0] != 'r') || sscanf(line + 1, "%3x%1u", &id, &length) != 2 ||
-        length > 8 || id > 0x7FFu) {
+    uint32_t id = 0;
+    uint32_t length = 0;
+    if ((line[0] != 't' && line[0] != 'r') || !parse_hex(line + 1, 3, &id) ||
+        !parse_hex(line + 4, 1, &length) || length > 8 || id > 0x7FFu) {
         return false;
     }
     *to = (struct dg_can_frame){.id = (uint16_t)id, .dlc = (uint8_t)length, .rtr = line[0] == 'r'};
-    for (unsigned i = 0; i < length && !to->rtr; i++) {
-        unsigned byte = 0;
-        if (strlen(line) < 7u + 2u * i || sscanf(line + 5 + 2u * i, "%2x", &byte) != 1) {
+    const char *at = line + 5;
+    for (uint32_t i = 0; i < length && !to->rtr; i++, at += 2) {
+        uint32_t byte = 0;
+        if (!parse_hex(at, 2, &byte)) {
             return false;
         }
         to->data[i] = (uint8_t)byte;

@@ -422,9 +422,12 @@ static int unanswered(const char *where, struct lx_error *error)
 static int identify(struct hiperface *self, const char *where, struct lx_error *error)
 {
     struct cf_report report;
-    struct frame type;
-    struct frame made;
-    if (!ask(self, 0x52, 7, &type, &report) && !ask(self, 0x52, 7, &type, &report)) {
+    struct frame type = {.at = 0};
+    struct frame made = {.at = 0};
+    bool answered = ask(self, 0x52, 7, &type, &report);
+    answered =
+        answered || ask(self, 0x52, 7, &type, &report); /* the first one may have met noise */
+    if (!answered) {
         return unanswered(where, error);
     }
     if (!ask(self, 0x56, 40, &made, &report)) {
@@ -447,7 +450,7 @@ static int identify(struct hiperface *self, const char *where, struct lx_error *
 static int measure(struct hiperface *self, const char *where, struct lx_error *error)
 {
     struct cf_report report;
-    struct frame came;
+    struct frame came = {.at = 0};
     dg_ns shortest = DG_NEVER;
     dg_ns longest = 0;
     uint32_t before = 0;

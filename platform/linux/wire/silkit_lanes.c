@@ -188,7 +188,7 @@ static int start_threads(struct lx_silkit_lanes *self, struct lx_error *error)
 static bool make_lanes(struct lx_silkit_lanes *self, struct lx_silkit *all, size_t count)
 {
     bool done = true;
-    self->lane = calloc(count, sizeof *self->lane);
+    self->lane = calloc(count > 0 ? count : 1u, sizeof *self->lane);
     self->port = calloc(self->port_count, sizeof(struct lx_silkit_port *));
     if (self->lane == NULL || self->port == NULL) {
         return false;

@@ -35,11 +35,12 @@ bool canopen_step_world(void *ctx, char **words, size_t n, struct cf_report *rep
     if (i == count) {
         return cf_fail(report, "world QUANTITY N");
     }
-    if (quantities[i].bit == NULL) {
+    if (quantities[i].figure != NULL) {
         *quantities[i].figure = (uint32_t)value;
-        return true;
     }
-    *quantities[i].bit = value != 0;
+    if (quantities[i].bit != NULL) {
+        *quantities[i].bit = value != 0;
+    }
     return true;
 }
 
@@ -84,7 +85,9 @@ bool canopen_step_led(void *ctx, char **words, size_t n, struct cf_report *repor
     }
     if (want > 0) {
         (void)until_change(b, red);
-        return (until_change(b, red) == want && until_change(b, red) == want) ||
+        const dg_ns first = until_change(b, red);
+        const dg_ns second = until_change(b, red);
+        return (first == want && second == want) ||
                cf_fail(report, "led: it does not change after %s", words[2]);
     }
     return lit(b, red) == on || cf_fail(report, "led: it is not %s", words[2]);

@@ -212,7 +212,7 @@ static bool run_line(const struct cf_suite *suite, const struct cf_line *line,
 {
     struct cf_report reason;
     char text[1024];
-    char *words[CF_WORDS_MAX];
+    char *words[CF_WORDS_MAX] = {""};
     size_t n;
 
     (void)snprintf(text, sizeof text, "%s", line->text);
