@@ -51,7 +51,7 @@ bool explain_levels_whole(const struct explain_levels *self)
     return self->signals[EXPLAIN_FIRST].found && self->signals[EXPLAIN_SECOND].found;
 }
 
-static void put(struct explain_levels *self, const struct dg_tap_event *event)
+static void put_event(struct explain_levels *self, const struct dg_tap_event *event)
 {
     if (self->count < EXPLAIN_LEVELS_EVENTS) {
         self->events[self->count++] = *event;
@@ -94,7 +94,7 @@ static void end_character(struct explain_levels *self, const struct dg_host_uart
     event.character.byte = (uint8_t)(signal->bits >> 1);
     event.character.damaged = (uart->parity != 'N' && (ones & 1u) != (uart->parity == 'O')) ||
                               ((unsigned)signal->bits >> bits & 1u) == 0;
-    put(self, &event);
+    put_event(self, &event);
     signal->busy = false;
 }
 
@@ -137,7 +137,7 @@ void explain_levels_advance(struct explain_levels *self, const struct dg_host_ua
         struct dg_tap_event event = {.at = self->now, .kind = DG_TAP_LEVELS};
         event.levels.clock = self->signals[EXPLAIN_FIRST].level;
         event.levels.data = self->signals[EXPLAIN_SECOND].level;
-        put(self, &event);
+        put_event(self, &event);
     } else if (self->wire == EXPLAIN_CHARACTERS) {
         sample(self, uart, EXPLAIN_FIRST, at);
         sample(self, uart, EXPLAIN_SECOND, at);

@@ -65,7 +65,8 @@ static int set_address(struct dg_host *host, const struct options *options, stru
     return 0;
 }
 
-static int start(struct dg_host *host, const struct options *options, struct lx_error *error)
+static int start_encoder(struct dg_host *host, const struct options *options,
+                         struct lx_error *error)
 {
     struct dg_host_event event;
     if (host == NULL) {
@@ -156,7 +157,8 @@ int explain_model_make(struct explain_model *self, const struct options *options
     *self = (struct explain_model){.seed = 0x2545F491};
     self->model = make(options->device);
     self->probe = make(options->device);
-    if (start(self->model, options, error) != 0 || start(self->probe, options, error) != 0) {
+    if (start_encoder(self->model, options, error) != 0 ||
+        start_encoder(self->probe, options, error) != 0) {
         explain_model_free(self);
         return -1;
     }

@@ -295,7 +295,8 @@ static void compare(struct explain_replay *self, const struct partner partners[E
     }
 }
 
-static void send(struct dg_host *host, const struct explain_message *message, bool frames, dg_ns at)
+static void send_message(struct dg_host *host, const struct explain_message *message, bool frames,
+                         dg_ns at)
 {
     for (size_t done = 0; done < message->n || (frames && done == 0); done += 16u) {
         struct dg_host_event event = {.at = at, .kind = DG_HOST_BYTES, .id = message->each};
@@ -319,12 +320,12 @@ static void live_both(struct explain_replay *self, dg_ns to, const struct explai
     self->voices[MODEL].count = 0;
     self->voices[PROBE].count = 0;
     if (message != NULL) {
-        send(self->model->probe, message, self->frames, to);
+        send_message(self->model->probe, message, self->frames, to);
     }
     live(self, PROBE, to);
     place_shaft(self, partners);
     if (message != NULL) {
-        send(self->model->model, message, self->frames, to);
+        send_message(self->model->model, message, self->frames, to);
     }
     live(self, MODEL, to);
     self->now = to;

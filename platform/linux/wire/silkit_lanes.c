@@ -53,7 +53,7 @@ static bool is_due(const struct lane *self, dg_ns until, uint64_t end)
     return lx_strand_next(self->strand) <= until || has_mail(self, end);
 }
 
-static void step(struct lane *self)
+static void step_lane(struct lane *self)
 {
     lx_strand_enter(self->strand);
     while (has_mail(self, self->end)) {
@@ -79,7 +79,7 @@ static void *serve(void *ctx)
             continue;
         }
         (void)pthread_mutex_unlock(&lanes->lock);
-        step(self);
+        step_lane(self);
         (void)pthread_mutex_lock(&lanes->lock);
         self->asked = false;
         if (--lanes->busy == 0) {
@@ -129,7 +129,7 @@ void lx_silkit_lanes_run(struct lx_silkit *self, dg_ns until, uint64_t end)
         }
     }
     if (own != NULL) {
-        step(own);
+        step_lane(own);
     }
     if (asked) {
         wait_for_all(lanes);
