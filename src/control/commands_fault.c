@@ -152,7 +152,8 @@ void dg_control_active(struct dg_scpi *self)
     size_t count = 0;
 
     for (size_t i = 0; dg_fault_entry(&target, i, &entry); i++) {
-        if (faults->fault[i].active) {
+        /* The rig may have stepped a moment before this line was read. */
+        if (faults->fault[i].active && faults->fault[i].until > self->now) {
             dg_scpi_put_string(self, entry.name);
             count++;
         }

@@ -355,7 +355,10 @@ static void test_what_is_over_ends(void **state)
     const dg_ns begin = rig.now;
     assert_int_equal(dg_rig_step(&rig.rig, begin), begin + DG_S(1));
     assert_int_equal(rig.changes, 0);
+    rig.now = begin + DG_S(1) - 1;
+    expect("FAUL:ACT?", "\"wire_drop\"");
     rig.now = begin + DG_S(1);
+    expect("FAUL:ACT?", "\"\""); /* also before the rig has stepped */
     assert_int_equal(dg_rig_step(&rig.rig, rig.now), begin + DG_S(2));
     assert_int_equal(rig.changes, 1);
     assert_ptr_equal(rig.changed, &rig.encoder[CONTROL_RIG_K2]);
