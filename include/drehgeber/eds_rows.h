@@ -62,7 +62,6 @@ enum dg_co_value {
     /** the first one of the device profile */
     DG_CO_VALUE_APPLICATION
 };
-_Static_assert(DG_CO_VALUE_APPLICATION == DG_CO_SLOT_APPLICATION, "all of the stack's are named");
 
 /** Hooks of rows, by their place in dg_co_row_hooks. */
 enum dg_co_row_hook {

@@ -8,6 +8,8 @@
 #include "co_file.h"
 #include "co_storage.h"
 
+_Static_assert(DG_CO_VALUE_APPLICATION == DG_CO_SLOT_APPLICATION, "all of the stack's are named");
+
 #define NODE_ID_MAX 127u
 /* May be written where the file says so, and changes nothing. */
 #define EMCY_COB_ID DG_CO_KEY(0x1014, 0)
