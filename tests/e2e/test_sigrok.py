@@ -63,7 +63,7 @@ def test_words_of_hiperface_are_those_of_the_program():
     """Commands and status messages as the traces have them; lengths and reaction times as the page has them."""
     lists = module("hiperface/lists.py")
     source = (REPOSITORY / "src/hiperface/words.c").read_text(encoding="utf-8")
-    words = re.findall(r'^    \{0x(\w\w), \w+,\s*"([^"]*)",\s*"([^"]*)"\},$', source, re.M)
+    words = re.findall(r'^    \{0x(\w\w), \w+,\s*"[^"]*",\s*"([^"]*)",\s*"([^"]*)"\},$', source, re.M)
     assert {int(code, 16): (request, reply) for code, request, reply in words} == \
         {code: row[3:] for code, row in lists.COMMANDS.items()}
     errors = re.findall(r'^    \{0x(\w\w), "([^"]*)"\},$', source, re.M)

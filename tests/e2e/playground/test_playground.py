@@ -509,7 +509,7 @@ def test_an_eds_file_is_an_encoder(still):
 @pytest.mark.parametrize("text, wrong", [
     (LA26.replace("26\n", "99\n"), "line 3: st 99: a number in 8..32 is right"),
     (LA26.replace("s3674-biss", "nobody"), "line 2: base: nobody is none; right is one of:"),
-    ("st = 26\n", "no object"), ("", "no object"), ("[1000]\nDataType=0x1B\n", "no object that can be read")])
+    ("st = 26\n", "no object"), ("", "no object"), ("[1000]\nDataType=0x20\n", "no object that can be read")])
 def test_what_is_wrong_in_a_text_is_told(still, text, wrong):
     """And the encoder of the text before stays."""
     assert put_in(still, LA26) is None
