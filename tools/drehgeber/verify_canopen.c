@@ -113,7 +113,7 @@ static int receive_id(struct canopen *self, uint16_t id, dg_ns until, struct dg_
 static bool upload(struct canopen *self, uint16_t index, uint8_t sub, uint32_t *value)
 {
     struct dg_can_frame frame = {.id = (uint16_t)(SDO_REQUEST + self->node), .dlc = 8};
-    struct cf_report report;
+    struct cf_report report = {0};
     uint8_t bytes[4] = {0};
     frame.data[0] = 0x40;
     frame.data[1] = (uint8_t)index;
