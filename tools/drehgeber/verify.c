@@ -185,7 +185,7 @@ static bool rehearse(struct verify *self, const struct cf_suite *suite, const st
     const struct cf_device *device = self->protocol->rows();
     struct rehearsal rehearsal = {.protocol = self->protocol, .encoder = self->encoder};
     const struct cf_beside beside = {&rehearsal_ops, &rehearsal};
-    struct cf_report report;
+    struct cf_report report = {0};
     unsigned missing = needs_of_steps(suite, row, device) & ~self->allowed;
     if ((missing & (CF_SHAFT | CF_INSIDE)) != 0) {
         *to = refuse(missing & (CF_SHAFT | CF_INSIDE));

@@ -421,7 +421,7 @@ static int unanswered(const char *where, struct lx_error *error)
 /* Serial number, version and date are of this encoder, its type is what there are clauses of. */
 static int identify(struct hiperface *self, const char *where, struct lx_error *error)
 {
-    struct cf_report report;
+    struct cf_report report = {0};
     struct frame type = {.at = 0};
     struct frame made = {.at = 0};
     bool answered = ask(self, 0x52, 7, &type, &report);
@@ -449,7 +449,7 @@ static int identify(struct hiperface *self, const char *where, struct lx_error *
 /* How far readings of a shaft at rest, and times of answers, are apart. */
 static int measure(struct hiperface *self, const char *where, struct lx_error *error)
 {
-    struct cf_report report;
+    struct cf_report report = {0};
     struct frame came = {.at = 0};
     dg_ns shortest = DG_NEVER;
     dg_ns longest = 0;
