@@ -126,11 +126,11 @@ struct lx_can {
 
 /** Opens one kind of bus. @return NULL with one line in `error` */
 typedef struct lx_can *lx_can_open(const struct lx_can_setup *setup, struct lx_error *error);
-lx_can_open lx_can_socket_open, lx_slcan_pty_open, lx_slcan_net_open, lx_socketcand_open,
+lx_can_open lx_can_socket_open, lx_slcan_open, lx_slcan_pty_open, lx_socketcand_open,
     lx_silkit_can_open, lx_silkit_pack_open;
 
 /** Whether `where` is an address of a kind that has TCP clients. @return 0, or -1 with `error` */
-int lx_slcan_net_check(const char *where, struct lx_error *error);
+int lx_slcan_address_check(const char *where, struct lx_error *error);
 int lx_socketcand_check(const char *where, struct lx_error *error);
 
 /** Whether the kernel has CAN at all. */

@@ -208,7 +208,7 @@ static int open_wire(struct lx_can_bus *self, struct lx_error *error)
     if (lx_timer_make(&self->timer, setup->event, settle, self, error) != 0) {
         return -1;
     }
-    self->can = self->open(&can, error);
+    self->can = setup->door->open_can(&can, error);
     return self->can == NULL ? -1 : 0;
 }
 
@@ -313,14 +313,13 @@ static const struct dg_bus_ops door = {.tx = send_frame, .tap = tell_tap, .answe
 static const struct dg_bus_frames_ops frames_door = {.filter = refilter, .retuned = retune};
 
 struct lx_bus *lx_can_bus_make(const struct lx_bus_setup *setup, struct dg_engine_wire *to,
-                               lx_can_open *open, struct lx_error *error)
+                               struct lx_error *error)
 {
     struct lx_can_bus *self =
         lx_bus_allocate(sizeof *self + setup->count * sizeof self->node[0], &bus_ops, setup, error);
     if (self == NULL) {
         return NULL;
     }
-    self->open = open;
     self->promised = DG_NEVER;
     for (size_t i = 0; i < setup->count; i++) {
         lx_can_node_make(self, i);
@@ -330,38 +329,4 @@ struct lx_bus *lx_can_bus_make(const struct lx_bus_setup *setup, struct dg_engin
     to->frames.ops = &frames_door;
     to->frames.real_time = true;
     return &self->bus;
-}
-
-struct lx_bus *lx_can_bus_make_socket(const struct lx_bus_setup *setup, struct dg_engine_wire *to,
-                                      struct lx_error *error)
-{
-    return lx_can_bus_make(setup, to, lx_can_socket_open, error);
-}
-
-struct lx_bus *lx_can_bus_make_slcan(const struct lx_bus_setup *setup, struct dg_engine_wire *to,
-                                     struct lx_error *error)
-{
-    static const char tcp[] = "tcp:";
-    const char *where = setup->wire->where;
-    if (where == NULL || strncmp(where, tcp, strlen(tcp)) != 0) {
-        return lx_can_bus_make(setup, to, lx_slcan_pty_open, error);
-    }
-    return lx_slcan_net_check(where, error) == 0
-               ? lx_can_bus_make(setup, to, lx_slcan_net_open, error)
-               : NULL;
-}
-
-struct lx_bus *lx_can_bus_make_socketcand(const struct lx_bus_setup *setup,
-                                          struct dg_engine_wire *to, struct lx_error *error)
-{
-    return lx_socketcand_check(setup->wire->where, error) == 0
-               ? lx_can_bus_make(setup, to, lx_socketcand_open, error)
-               : NULL;
-}
-
-struct lx_bus *lx_can_bus_make_silkit(const struct lx_bus_setup *setup, struct dg_engine_wire *to,
-                                      struct lx_error *error)
-{
-    const bool packed = to->line.simulation.frames == DG_PLAN_FRAMES_PACKED;
-    return lx_can_bus_make(setup, to, packed ? lx_silkit_pack_open : lx_silkit_can_open, error);
 }

@@ -29,7 +29,6 @@ struct lx_can_node {
 /** A bus. */
 struct lx_can_bus {
     struct lx_bus bus;
-    lx_can_open *open;
     struct lx_can *can;
     struct dg_bus_load load; /**< of the wire */
     struct lx_timer timer;
@@ -43,10 +42,6 @@ struct lx_can_bus {
                         nobody is: DG_NEVER */
     struct lx_can_node node[]; /**< as many as stations */
 };
-
-/** A bus whose wire `open` opens. @return as lx_bus_make */
-struct lx_bus *lx_can_bus_make(const struct lx_bus_setup *setup, struct dg_engine_wire *to,
-                               lx_can_open *open, struct lx_error *error);
 
 /* --- a node, can_node.c --- */
 

@@ -86,12 +86,19 @@ static const struct lx_can_dialect slcan = {
 static const struct lx_can_kind kind = {sizeof(struct lx_can_net), &lx_can_net_ops,
                                         lx_can_net_start, &slcan};
 
-struct lx_can *lx_slcan_net_open(const struct lx_can_setup *setup, struct lx_error *error)
+/* What is no TCP port is the link of a pty, or without a name. */
+static bool is_net(const char *where)
 {
-    return lx_can_make(&kind, setup, error);
+    return where != NULL && strncmp(where, slcan.prefix, strlen(slcan.prefix)) == 0;
 }
 
-int lx_slcan_net_check(const char *where, struct lx_error *error)
+struct lx_can *lx_slcan_open(const struct lx_can_setup *setup, struct lx_error *error)
 {
-    return lx_can_net_check(&slcan, where, error);
+    return is_net(setup->where) ? lx_can_make(&kind, setup, error)
+                                : lx_slcan_pty_open(setup, error);
+}
+
+int lx_slcan_address_check(const char *where, struct lx_error *error)
+{
+    return is_net(where) ? lx_can_net_check(&slcan, where, error) : 0;
 }

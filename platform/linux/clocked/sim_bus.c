@@ -39,14 +39,13 @@ struct sim_bus {
     dg_ns init; /* of the encoder that takes longest */
     struct dg_bus_master master;
     struct lx_timer timer;
-    bool driven; /* by a simulation, which says when a frame is read: */
-    struct lx_sim_silkit silkit;
-    dg_ns due;       /* the next frame, by the rig's clock */
-    dg_ns stirred;   /* frames before that are clocked, whoever looks */
-    uint32_t silent; /* of the latest frame: without an answer, */
-    uint64_t bad;    /* ... positions with a wrong check sum */
-    uint64_t frames; /* read */
-    uint64_t wrong;  /* positions with a wrong check sum */
+    struct lx_sim_silkit silkit; /* driven: says when a frame is read */
+    dg_ns due;                   /* the next frame, by the rig's clock */
+    dg_ns stirred;               /* frames before that are clocked, whoever looks */
+    uint32_t silent;             /* of the latest frame: without an answer, */
+    uint64_t bad;                /* ... positions with a wrong check sum */
+    uint64_t frames;             /* read */
+    uint64_t wrong;              /* positions with a wrong check sum */
 };
 
 static struct sim_bus *sim_of(struct lx_bus *bus)
@@ -125,7 +124,7 @@ static void pass_over(struct sim_bus *self, dg_ns now)
 static void rest(struct sim_bus *self)
 {
     const struct lx_bus_setup *setup = &self->bus.setup;
-    if (self->driven) {
+    if (self->bus.setup.door->driven) {
         return;
     }
     const dg_ns next = next_read(self);
@@ -138,7 +137,7 @@ static void rest(struct sim_bus *self)
 
 static void catch_up(struct sim_bus *self)
 {
-    if (self->driven) {
+    if (self->bus.setup.door->driven) {
         return;
     }
     const dg_ns now = lx_clock_now(self->bus.setup.clock);
@@ -240,7 +239,7 @@ static int open_bus(struct lx_bus *bus, dg_ns now, struct lx_error *error)
         return -1;
     }
     for (size_t i = 0; i < setup->count; i++) {
-        setup->stations[i]->ready = self->driven ? DG_NEVER : self->due;
+        setup->stations[i]->ready = setup->door->driven ? DG_NEVER : self->due;
     }
     const struct dg_bus_master_setup master = lx_sim_bus_master(bus);
     dg_bus_master_init(&self->master, &master, now);
@@ -249,7 +248,7 @@ static int open_bus(struct lx_bus *bus, dg_ns now, struct lx_error *error)
     }
     stir(self, self->due);
     catch_up(self);
-    return self->driven ? lx_sim_silkit_open(&self->silkit, bus, error) : 0;
+    return setup->door->driven ? lx_sim_silkit_open(&self->silkit, bus, error) : 0;
 }
 
 /* Outside a simulation there is nothing to connect to. */
@@ -344,7 +343,7 @@ static int check(struct lx_bus *bus, struct lx_station *station, struct lx_error
         return -1;
     }
     const bool last = station->place + 1u == setup->count;
-    return last && !self->driven ? check_wire(setup, self->line, error) : 0;
+    return last && !setup->door->driven ? check_wire(setup, self->line, error) : 0;
 }
 
 static const struct lx_bus_ops ops = {
@@ -356,14 +355,13 @@ static const struct lx_bus_ops ops = {
 
 /* --- from the plan --- */
 
-static struct lx_bus *make(const struct lx_bus_setup *setup, struct dg_engine_wire *to, bool driven,
-                           struct lx_error *error)
+struct lx_bus *lx_sim_bus_make(const struct lx_bus_setup *setup, struct dg_engine_wire *to,
+                               struct lx_error *error)
 {
     struct sim_bus *self = lx_bus_allocate(sizeof *self, &ops, setup, error);
     if (self == NULL) {
         return NULL;
     }
-    self->driven = driven;
     self->line = lx_clocked_make(setup, to, LX_CLOCKED_HERE, error);
     if (self->line == NULL) {
         free(self);
@@ -372,16 +370,4 @@ static struct lx_bus *make(const struct lx_bus_setup *setup, struct dg_engine_wi
     const struct dg_bus_master_setup master = lx_sim_bus_master(&self->bus);
     to->edges = dg_bus_master_wire(&master);
     return &self->bus;
-}
-
-struct lx_bus *lx_sim_bus_make(const struct lx_bus_setup *setup, struct dg_engine_wire *to,
-                               struct lx_error *error)
-{
-    return make(setup, to, false, error);
-}
-
-struct lx_bus *lx_sim_bus_make_silkit(const struct lx_bus_setup *setup, struct dg_engine_wire *to,
-                                      struct lx_error *error)
-{
-    return make(setup, to, true, error);
 }

@@ -216,10 +216,20 @@ void lx_modbus_unwatch(struct lx_modbus *self)
     lx_ring_time_unwatch(&self->time);
 }
 
-bool lx_modbus_address_fits(const char *where)
+static int read_address(const char *where, struct lx_peers_where *out, struct lx_error *error)
 {
-    struct lx_peers_where endpoint;
-    return lx_peers_split_behind("", where, false, &endpoint);
+    return lx_peers_split_behind("", where, false, out)
+               ? 0
+               : lx_refuse(
+                     error,
+                     "HOST:PORT is right, e.g. 127.0.0.1:5020; beyond loopback HOST:PORT,open",
+                     "%s", "");
+}
+
+int lx_modbus_check(const char *where, struct lx_error *error)
+{
+    struct lx_peers_where ignored;
+    return read_address(where, &ignored, error);
 }
 
 static int listen_at(struct lx_modbus *self, struct lx_error *error)
@@ -236,8 +246,8 @@ static int listen_at(struct lx_modbus *self, struct lx_error *error)
         .byte = on_byte,
         .ctx = self,
     };
-    if (!lx_peers_split_behind("", setup->where, false, &self->where)) {
-        return lx_refuse(error, LX_MODBUS_RIGHT, "%s", "");
+    if (read_address(setup->where, &self->where, error) != 0) {
+        return -1;
     }
     self->protocol = modbus_new_tcp_pi(self->where.at.host, self->where.at.port);
     return self->protocol == NULL ? lx_fail(error, "no memory for the coupler")

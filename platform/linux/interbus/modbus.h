@@ -61,10 +61,7 @@ void lx_modbus_unwatch(struct lx_modbus *self);
 /** Close all connections; also after a failed open. */
 void lx_modbus_close(struct lx_modbus *self);
 
-/** What is told of an address that is none. */
-#define LX_MODBUS_RIGHT "HOST:PORT is right, e.g. 127.0.0.1:5020; beyond loopback HOST:PORT,open"
-
-/** Whether `where` is HOST:PORT or HOST:PORT,open. */
-bool lx_modbus_address_fits(const char *where);
+/** Whether `where` is HOST:PORT or HOST:PORT,open. @return 0, or -1 with `error` */
+int lx_modbus_check(const char *where, struct lx_error *error);
 
 #endif

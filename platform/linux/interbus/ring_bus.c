@@ -20,10 +20,9 @@ struct ring_bus {
     struct lx_ring ring;
     struct dg_ib_model ignored; /* what is said of the turns of a K1, which has none */
     struct lx_modbus coupler;
-    bool coupled; /* the coupler was opened */
-    bool driven;  /* there is none: a simulation lets it cycle */
-    struct lx_ring_silkit silkit;
-    bool bent; /* wire faults may be active at a station */
+    bool coupled;                 /* the coupler was opened */
+    struct lx_ring_silkit silkit; /* driven: there is none, a simulation lets it cycle */
+    bool bent;                    /* wire faults may be active at a station */
 };
 
 static struct ring_bus *ring_of(struct lx_bus *bus)
@@ -134,7 +133,7 @@ static int open_bus(struct lx_bus *bus, dg_ns now, struct lx_error *error)
     if (lx_ring_open(&self->ring, &ring, now, error) != 0) {
         return place_nvm(setup, self->ring.refused, error);
     }
-    if ((self->driven ? open_topics : open_coupler)(self, error) != 0) {
+    if ((setup->door->driven ? open_topics : open_coupler)(self, error) != 0) {
         return -1;
     }
     stir(self, now);
@@ -146,7 +145,7 @@ static void address(const struct lx_bus *bus, const struct lx_station *station, 
 {
     const struct ring_bus *self = (const struct ring_bus *)bus;
     (void)snprintf(to, size, "%s/%zu",
-                   self->driven ? self->silkit.address : self->coupler.peers.address,
+                   bus->setup.door->driven ? self->silkit.address : self->coupler.peers.address,
                    station->place);
 }
 
@@ -174,7 +173,7 @@ static void counters(const struct lx_bus *bus, const struct lx_station *station,
     const struct ring_bus *self = (const struct ring_bus *)bus;
     const struct dg_ring_counters *ring = &dg_ring_state(bus->core)->counters;
     (void)station;
-    dg_state_number(to, "wire_up", self->driven || self->coupler.peers.listener >= 0);
+    dg_state_number(to, "wire_up", bus->setup.door->driven || self->coupler.peers.listener >= 0);
     dg_state_number(to, "wire_late", bus->late + bus->stalls);
     dg_state_number(to, "wire_cycles", ring->cycles);
     dg_state_number(to, "wire_ids", ring->ids);
@@ -222,34 +221,17 @@ static void place_encoder(struct ring_bus *self, struct lx_station *station)
     }
 }
 
-static struct lx_bus *make(const struct lx_bus_setup *setup, struct dg_engine_wire *to, bool driven,
-                           struct lx_error *error)
+struct lx_bus *lx_ring_bus_make(const struct lx_bus_setup *setup, struct dg_engine_wire *to,
+                                struct lx_error *error)
 {
-    if (!driven && !lx_modbus_address_fits(setup->wire->where)) {
-        (void)lx_refuse(error, LX_MODBUS_RIGHT, "%s", "");
-        return NULL;
-    }
     struct ring_bus *self = lx_bus_allocate(sizeof *self, &bus_ops, setup, error);
     if (self == NULL) {
         return NULL;
     }
-    self->driven = driven;
     for (size_t i = 0; i < setup->count; i++) {
         place_encoder(self, setup->stations[i]);
     }
     to->ops = &lx_ring_ops;
     to->ctx = &self->ring;
     return &self->bus;
-}
-
-struct lx_bus *lx_ring_bus_make(const struct lx_bus_setup *setup, struct dg_engine_wire *to,
-                                struct lx_error *error)
-{
-    return make(setup, to, false, error);
-}
-
-struct lx_bus *lx_ring_bus_make_silkit(const struct lx_bus_setup *setup, struct dg_engine_wire *to,
-                                       struct lx_error *error)
-{
-    return make(setup, to, true, error);
 }

@@ -73,7 +73,7 @@ static int open_port(struct lx_line_bus *self, struct lx_error *error)
     if (lx_timer_make(&self->timer, bus->event, lx_line_on_time, self, error) != 0) {
         return -1;
     }
-    self->port = self->open(&setup, error);
+    self->port = bus->door->open_port(&setup, error);
     return self->port == NULL ? -1 : 0;
 }
 
@@ -173,14 +173,13 @@ static void place_encoder(struct lx_line_bus *self, size_t index)
 }
 
 struct lx_bus *lx_line_bus_make(const struct lx_bus_setup *setup, struct dg_engine_wire *to,
-                                lx_serial_open *open, struct lx_error *error)
+                                struct lx_error *error)
 {
     struct lx_line_bus *self =
         lx_bus_allocate(sizeof *self + setup->count * sizeof self->encoder[0], &ops, setup, error);
     if (self == NULL) {
         return NULL;
     }
-    self->open = open;
     self->count = setup->count;
     self->bus.tap.encoders = self->names;
     self->bus.tap.encoder_count = self->count;
@@ -192,30 +191,4 @@ struct lx_bus *lx_line_bus_make(const struct lx_bus_setup *setup, struct dg_engi
     to->characters.live = true;
     to->characters.late = LX_BUS_LATE;
     return &self->bus;
-}
-
-struct lx_bus *lx_line_bus_make_pty(const struct lx_bus_setup *setup, struct dg_engine_wire *to,
-                                    struct lx_error *error)
-{
-    return lx_line_bus_make(setup, to, lx_pty_open, error);
-}
-
-struct lx_bus *lx_line_bus_make_tty(const struct lx_bus_setup *setup, struct dg_engine_wire *to,
-                                    struct lx_error *error)
-{
-    return lx_line_bus_make(setup, to, lx_tty_open, error);
-}
-
-struct lx_bus *lx_line_bus_make_net(const struct lx_bus_setup *setup, struct dg_engine_wire *to,
-                                    struct lx_error *error)
-{
-    return lx_net_port_check(setup->wire->where, error) == 0
-               ? lx_line_bus_make(setup, to, lx_net_port_open, error)
-               : NULL;
-}
-
-struct lx_bus *lx_line_bus_make_silkit(const struct lx_bus_setup *setup, struct dg_engine_wire *to,
-                                       struct lx_error *error)
-{
-    return lx_line_bus_make(setup, to, lx_silkit_serial_open, error);
 }

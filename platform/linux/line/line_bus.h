@@ -13,10 +13,6 @@
 #include "serial.h"
 #include "timer.h"
 
-/** Opens one kind of port. */
-typedef struct lx_serial *lx_serial_open(const struct lx_serial_setup *setup,
-                                         struct lx_error *error);
-
 /** Encoders on a line. */
 #define LX_LINE_ENCODERS_MAX 32u
 
@@ -33,7 +29,6 @@ struct lx_line_encoder {
 /** The line with 1..32 of them. */
 struct lx_line_bus {
     struct lx_bus bus;
-    lx_serial_open *open;
     struct lx_serial *port;
     struct lx_timer timer;
     bool paced;    /**< requests take the time they take on a line */
@@ -50,10 +45,6 @@ static inline struct lx_uart lx_line_uart(const struct dg_host_uart *uart)
 {
     return (struct lx_uart){uart->baud, (char)uart->parity};
 }
-
-/** Encoders on a port that `open` opens, as a lx_bus_make. @return NULL with `error` */
-struct lx_bus *lx_line_bus_make(const struct lx_bus_setup *setup, struct dg_engine_wire *to,
-                                lx_serial_open *open, struct lx_error *error);
 
 /* --- the master, line_master.c --- */
 

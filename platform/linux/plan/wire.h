@@ -14,6 +14,10 @@
 struct dg_engine_wire;
 struct lx_bus;
 struct lx_bus_setup;
+struct lx_can;
+struct lx_can_setup;
+struct lx_serial;
+struct lx_serial_setup;
 
 /** Understand the address, say in `to` what the library's bus is made of. Encoders have no settings
  * yet. @return NULL with `error` */
@@ -24,6 +28,13 @@ typedef struct lx_bus *lx_bus_make(const struct lx_bus_setup *setup, struct dg_e
 struct lx_wire {
     const char *name; /**< of the kind; it is in "ready MODEL WIRE:ADDRESS" and --WIRE, too */
     lx_bus_make *make;
+    /** What it opens where characters, and where frames of CAN go. @return NULL with `error` */
+    struct lx_serial *(*open_port)(const struct lx_serial_setup *setup, struct lx_error *error);
+    struct lx_can *(*open_can)(const struct lx_can_setup *setup, struct lx_error *error);
+    /** Before it is made: is this an address of it? NULL: what makes or opens it says that.
+     * @return 0, or -1 with `error` */
+    int (*check)(const char *where, struct lx_error *error);
+    bool driven;         /**< a simulation takes the place of its master */
     bool simulated;      /**< runs by the rig's clock, which may be slowed down */
     bool where_in_trace; /**< its address is the name of the wire in a trace */
     const char *help;    /**< what it is, in one line */

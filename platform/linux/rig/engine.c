@@ -65,8 +65,10 @@ static struct lx_bus *make_bus(struct lx_engine *self, size_t index, struct dg_e
     setup.index = index;
     setup.stations = self->wires[index].stations;
     setup.count = self->making->encoder_count;
-    return (self->setup.make != NULL ? self->setup.make
-                                     : lx_wire_of(setup.wire->kind)->make)(&setup, to, self->error);
+    setup.door = self->setup.door != NULL ? self->setup.door : lx_wire_of(setup.wire->kind);
+    return setup.door->check == NULL || setup.door->check(setup.wire->where, self->error) == 0
+               ? setup.door->make(&setup, to, self->error)
+               : NULL;
 }
 
 static int make_wire(void *ctx, size_t index, struct dg_engine_wire *to,

@@ -16,7 +16,7 @@ struct lx_engine_setup {
     struct lx_bus_setup bus; /**< what all wires share: event, say, plan, clock, writer, silkit */
     dg_ns begin;             /**< time 0 of all motions */
     const struct dg_rig_ops *ops; /**< as in dg_engine_setup */
-    lx_bus_make *make;            /**< of all wires; NULL: each is what its kind is */
+    const struct lx_wire *door;   /**< of all wires; NULL: each is what its kind is */
     /** Wire `index` is about to be made: more that is to be right. @return 0, or -1 with `error`.
      * NULL: nothing */
     int (*wire)(void *ctx, size_t index, struct lx_error *error);

@@ -36,6 +36,7 @@ struct lx_bus_setup {
     const struct lx_clock *clock;
     struct lx_nvm_writer *writer; /**< of EEPROM files; NULL: they are written where they stand */
     struct lx_silkit *silkit;     /**< the rig in a simulation; for wires that are on it */
+    const struct lx_wire *door;   /**< its kind here, or one in place of it */
 };
 
 /** Longest address for a ready line. */
@@ -89,10 +90,8 @@ struct lx_bus {
 };
 
 /** The makers. */
-lx_bus_make lx_line_bus_make_pty, lx_line_bus_make_tty, lx_line_bus_make_net,
-    lx_can_bus_make_socket, lx_can_bus_make_slcan, lx_can_bus_make_socketcand, lx_ring_bus_make,
-    lx_sim_bus_make, lx_gpio_bus_make, lx_silkit_bus_make, lx_can_bus_make_silkit,
-    lx_line_bus_make_silkit, lx_sim_bus_make_silkit, lx_ring_bus_make_silkit;
+lx_bus_make lx_line_bus_make, lx_can_bus_make, lx_ring_bus_make, lx_sim_bus_make, lx_gpio_bus_make,
+    lx_silkit_bus_make;
 
 /** For makers: a kind's own structure of `size` bytes, all zero but for its first member, a struct
  * lx_bus with `ops` and `setup`; the caller's, for free(). @return NULL with `error` */

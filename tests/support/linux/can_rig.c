@@ -161,16 +161,10 @@ void can_rig_plan(struct can_rig *self, size_t count)
     }
 }
 
-static struct lx_bus *make_test_wire(const struct lx_bus_setup *setup, struct dg_engine_wire *to,
-                                     struct lx_error *error)
-{
-    return lx_can_bus_make(setup, to, wire_open, error);
-}
-
-static int make(struct can_rig *self, size_t count, lx_bus_make *make_wire)
+static int make(struct can_rig *self, size_t count, const struct lx_wire *door)
 {
     struct lx_engine_setup setup = station_setup(&self->plan, self->event, &self->clock);
-    setup.make = make_wire;
+    setup.door = door;
     self->shaft = (struct dg_plan_shaft){.name = "shaft", .driver = -1};
     self->wire.stack = self->encoder[0].model->stack;
     self->wire.encoder_count = count;
@@ -194,7 +188,8 @@ static int make(struct can_rig *self, size_t count, lx_bus_make *make_wire)
 
 int can_rig_make_slcan(struct can_rig *self, size_t count)
 {
-    return make(self, count, lx_can_bus_make_slcan);
+    static const struct lx_wire slcan = {.make = lx_can_bus_make, .open_can = lx_slcan_open};
+    return make(self, count, &slcan);
 }
 
 void can_rig_open_slcan(struct can_rig *self, size_t count)
@@ -207,7 +202,8 @@ void can_rig_open_slcan(struct can_rig *self, size_t count)
 
 void can_rig_open(struct can_rig *self, size_t count)
 {
-    assert_int_equal(make(self, count, make_test_wire), 0);
+    static const struct lx_wire door = {.make = lx_can_bus_make, .open_can = wire_open};
+    assert_int_equal(make(self, count, &door), 0);
     assert_int_equal(self->bus->ops->open(self->bus, lx_now(), &self->error), 0);
 }
 

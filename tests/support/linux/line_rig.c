@@ -15,6 +15,7 @@
 
 #include "drehgeber/devices.h"
 #include "hf_rig.h"
+#include "serial.h"
 #include "station_rig.h"
 #include "timer.h"
 
@@ -154,10 +155,12 @@ void line_rig_prepare(struct line_rig *self)
     self->setup.bus.say = &self->say;
 }
 
-void line_rig_make(struct line_rig *self, lx_bus_make *make)
+const struct lx_wire line_rig_pty = {.make = lx_line_bus_make, .open_port = lx_pty_open};
+
+void line_rig_make(struct line_rig *self, const struct lx_wire *door)
 {
     struct lx_error error = {.right = ""};
-    self->setup.make = make;
+    self->setup.door = door;
     assert_int_equal(lx_engine_make(&self->engine, &self->setup, &error), 0);
     self->bus = self->engine.wires[0].bus;
     self->station = self->engine.stations;
@@ -175,27 +178,27 @@ struct lx_words line_rig_refused(struct line_rig *self)
 }
 
 /* On, with the start-up window (100 ms) over. */
-void line_rig_open(struct line_rig *self, lx_bus_make *make)
+void line_rig_open(struct line_rig *self, const struct lx_wire *door)
 {
     struct lx_error error = {.right = ""};
     line_rig_prepare(self);
-    line_rig_make(self, make);
+    line_rig_make(self, door);
     const int result = self->bus->ops->open(self->bus, lx_now(), &error);
     assert_string_equal(lx_error_line(&error).text, "");
     assert_int_equal(result, 0);
     self->heard.listener = (struct lx_tap_listener){.event = on_event, .ctx = &self->heard};
 }
 
-void line_rig_open_made(struct line_rig *self, lx_bus_make *make)
+void line_rig_open_made(struct line_rig *self, const struct lx_wire *door)
 {
-    line_rig_open(self, make);
+    line_rig_open(self, door);
     open_master(self);
     line_rig_run(self, DG_MS(110));
 }
 
 void line_rig_open_pty(struct line_rig *self)
 {
-    line_rig_open_made(self, lx_line_bus_make_pty);
+    line_rig_open_made(self, &line_rig_pty);
 }
 
 void line_rig_close(struct line_rig *self)

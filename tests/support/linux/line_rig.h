@@ -60,15 +60,18 @@ void line_rig_set(struct line_rig *self, size_t index, const char *assignment);
 /** Loop and line_rig.setup. */
 void line_rig_prepare(struct line_rig *self);
 
+/** The door of a pty. */
+extern const struct lx_wire line_rig_pty;
+
 /** Make what the plan says, and open nothing; it is right. */
-void line_rig_make(struct line_rig *self, lx_bus_make *make);
+void line_rig_make(struct line_rig *self, const struct lx_wire *door);
 
 /** What is not right about the plan. @return in one line */
 struct lx_words line_rig_refused(struct line_rig *self);
 
 /** That, and the power on. The other two also have the master, and the start-up window over. */
-void line_rig_open(struct line_rig *self, lx_bus_make *make);
-void line_rig_open_made(struct line_rig *self, lx_bus_make *make);
+void line_rig_open(struct line_rig *self, const struct lx_wire *door);
+void line_rig_open_made(struct line_rig *self, const struct lx_wire *door);
 void line_rig_open_pty(struct line_rig *self);
 
 /** Everything off and free. */

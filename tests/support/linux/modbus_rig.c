@@ -55,8 +55,9 @@ void modbus_rig_set(struct modbus_rig *self, size_t index, const char *assignmen
 int modbus_rig_open(struct modbus_rig *self, dg_angle (*angle)(void *ctx, dg_ns now), void *ctx,
                     dg_ns now, struct lx_error *error)
 {
+    static const struct lx_wire door = {.make = make_bus};
     struct lx_engine_setup setup = station_setup(&self->plan, NULL, NULL);
-    setup.make = make_bus;
+    setup.door = &door;
     making = self;
     assert_int_equal(lx_engine_make(&self->engine, &setup, error), 0);
     for (size_t i = 0; angle != NULL && i < self->plan.encoder_count; i++) {

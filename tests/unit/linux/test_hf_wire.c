@@ -182,7 +182,7 @@ static void a_link_in_use_is_refused_in_the_same_process(void **state)
     for (size_t i = 1; i < 3; i++) {
         line_rig_plan(&rigs[i], 1, place.link);
         line_rig_prepare(&rigs[i]);
-        line_rig_make(&rigs[i], lx_line_bus_make_pty);
+        line_rig_make(&rigs[i], &line_rig_pty);
         assert_int_equal(rigs[i].bus->ops->open(rigs[i].bus, lx_now(), &error), -1);
         assert_non_null(strstr(lx_error_line(&error).text, pid));
         line_rig_close(&rigs[i]);
@@ -197,12 +197,13 @@ static void a_link_in_use_is_refused_in_the_same_process(void **state)
 /* The slave side of a pty stands for it; the test has the master side. */
 static void several_share_a_tty(void **state)
 {
+    static const struct lx_wire tty = {.make = lx_line_bus_make, .open_port = lx_tty_open};
     struct line_rig rig;
     (void)state;
     const int far = posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
     assert_true(far >= 0 && grantpt(far) == 0 && unlockpt(far) == 0);
     line_rig_plan(&rig, 2, ptsname(far));
-    line_rig_open(&rig, lx_line_bus_make_tty);
+    line_rig_open(&rig, &tty);
     rig.master = far;
     line_rig_run(&rig, DG_MS(110));
     line_rig_answers(&rig, 0x40);
@@ -224,22 +225,17 @@ static struct lx_serial *open_timed(const struct lx_serial_setup *setup, struct 
     return port;
 }
 
-static struct lx_bus *make_timed(const struct lx_bus_setup *setup, struct dg_engine_wire *to,
-                                 struct lx_error *error)
-{
-    return lx_line_bus_make(setup, to, open_timed, error);
-}
-
 /* A UART that does the timing gets whole replies at once; the neighbours hear them in their time.
  * Two at once: the later one follows, damaged. */
 static void a_uart_gets_whole_replies(void **state)
 {
+    static const struct lx_wire timed = {.make = lx_line_bus_make, .open_port = open_timed};
     struct line_rig rig;
     (void)state;
     line_rig_plan(&rig, 3, NULL);
     rig.plan.encoders[1].address = 0x40;
     rig.shaft = (dg_angle)0x0F0F << 32;
-    line_rig_open_made(&rig, make_timed);
+    line_rig_open_made(&rig, &timed);
     line_rig_request(&rig, 0x42, "56");
     const size_t n = line_rig_receive(&rig, 1, LINE_PATIENCE);
     assert_int_equal(n, 40);

@@ -333,10 +333,10 @@ static void addresses(void **state)
 
     (void)state;
     for (size_t i = 0; i < DG_COUNT(good); i++) {
-        assert_true(lx_modbus_address_fits(good[i]));
+        assert_int_equal(lx_modbus_check(good[i], &error), 0);
     }
     for (size_t i = 0; i < DG_COUNT(bad); i++) {
-        assert_false(lx_modbus_address_fits(bad[i]));
+        assert_int_equal(lx_modbus_check(bad[i], &error), -1);
     }
 }
 

@@ -162,7 +162,7 @@ static void slcan_adapters_share_a_bus(void **state)
     const struct dg_can_frame frame = {.id = 0x5BF, .dlc = 1, .data = {0x43}};
     struct bench bench;
     (void)state;
-    open_can(&bench, lx_slcan_net_open, "tcp:127.0.0.1:0");
+    open_can(&bench, lx_slcan_open, "tcp:127.0.0.1:0");
     assert_false(bench.can->ops->open(bench.can));
     SAY(&bench, 0, "S6\rO\r"); /* another bit rate, as long as it is alone */
     assert_true(bench.can->ops->open(bench.can));
@@ -384,7 +384,7 @@ static void who_reads_again_goes_on(void **state)
     unsigned idle = 0;
     struct bench bench;
     (void)state;
-    open_can(&bench, lx_slcan_net_open, "tcp:127.0.0.1:0");
+    open_can(&bench, lx_slcan_open, "tcp:127.0.0.1:0");
     memset(flood, '\r', sizeof flood);
     for (ssize_t n = 1; n > 0 || sd_event_run(bench.event, TURN_US) > 0;) {
         n = send(bench.client[0], flood, sizeof flood, MSG_NOSIGNAL | MSG_DONTWAIT);
@@ -410,7 +410,7 @@ static void a_port_that_is_taken_is_refused(void **state)
     } rows[] = {
         {"tcp:", "", NULL},
         {"rfc2217:", "", NULL},
-        {"tcp:", "", lx_slcan_net_open},
+        {"tcp:", "", lx_slcan_open},
         {"", ",can0", lx_socketcand_open},
     };
     struct bench bench;

@@ -303,6 +303,7 @@ static struct lx_bus *make_wire(const struct lx_bus_setup *setup, struct dg_engi
 
 static int make_line(enum lx_clocked_master who, const char *setting, struct lx_error *error)
 {
+    static const struct lx_wire door = {.make = make_wire};
     struct lx_engine_setup setup = station_setup(&plan, NULL, NULL);
     struct dg_plan_encoder *encoder = &plan.encoders[0];
     lx_plan_free_settings(&encoder->settings);
@@ -310,7 +311,7 @@ static int make_line(enum lx_clocked_master who, const char *setting, struct lx_
         assert_int_equal(lx_plan_add_assignment(&encoder->settings, setting, 0, error), 0);
     }
     wire.who = who;
-    setup.make = make_wire;
+    setup.door = &door;
     return lx_engine_make(&engine, &setup, error);
 }
 
