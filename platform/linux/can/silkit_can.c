@@ -194,13 +194,9 @@ static int join(struct silkit_can *self, struct lx_error *error)
 {
     struct lx_can *can = &self->can;
     self->port = (struct lx_silkit_port){.receive = receive, .ready = on_ready, .ctx = self};
-    if (lx_silkit_split(can->setup.where, &self->where, error) != 0 ||
-        lx_silkit_join(can->setup.silkit, error) != 0) {
-        return -1;
-    }
-    (void)snprintf(can->address, sizeof can->address, "%s,%s", self->where.uri,
-                   self->where.network);
-    return 0;
+    const int result = lx_silkit_join(can->setup.silkit, can->setup.where, &self->where, error);
+    (void)snprintf(can->address, sizeof can->address, "%s", self->where.ready);
+    return result;
 }
 
 static int start_controller(struct lx_can *can, struct lx_error *error)

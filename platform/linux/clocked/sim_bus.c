@@ -256,7 +256,7 @@ static void address(const struct lx_bus *bus, const struct lx_station *station, 
                     size_t size)
 {
     (void)station;
-    (void)snprintf(to, size, "%s", ((const struct sim_bus *)bus)->silkit.address);
+    (void)snprintf(to, size, "%s", ((const struct sim_bus *)bus)->silkit.where.ready);
 }
 
 static void look(struct lx_bus *bus, dg_ns now)

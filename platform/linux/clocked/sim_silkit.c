@@ -2,8 +2,6 @@
 /* All numbers of a message are little endian. */
 #include "sim_silkit.h"
 
-#include <stdio.h>
-
 #include "drehgeber/bits.h"
 #include "sim_bus.h"
 
@@ -69,17 +67,14 @@ static void step(void *ctx, dg_ns now)
 int lx_sim_silkit_open(struct lx_sim_silkit *self, struct lx_bus *bus, struct lx_error *error)
 {
     struct lx_silkit *silkit = bus->setup.silkit;
-    struct lx_silkit_where where;
-    if (lx_silkit_split(bus->setup.wire->where, &where, error) != 0 ||
-        lx_silkit_join(silkit, error) != 0) {
+    if (lx_silkit_join(silkit, bus->setup.wire->where, &self->where, error) != 0) {
         return -1;
     }
     self->bus = bus;
     self->latch = (struct lx_silkit_port){.receive = receive, .ctx = self};
     self->frame = (struct lx_silkit_port){.step = step, .ctx = self};
-    lx_silkit_name_topic(&self->latch, where.network, "latch");
-    lx_silkit_name_topic(&self->frame, where.network, "frame");
-    (void)snprintf(self->address, sizeof self->address, "%s,%s", where.uri, where.network);
+    lx_silkit_name_topic(&self->latch, self->where.network, "latch");
+    lx_silkit_name_topic(&self->frame, self->where.network, "frame");
     return lx_silkit_subscribe(silkit, &self->latch, LATCH_TYPE, error) != 0
                ? -1
                : lx_silkit_offer(silkit, &self->frame, FRAME_TYPE, error);

@@ -18,7 +18,7 @@ struct lx_sim_silkit {
     struct lx_silkit_port latch;
     struct lx_silkit_port frame;
     bool latched; /**< somebody does */
-    char address[LX_SILKIT_URI_MAX + LX_SILKIT_NAME_MAX];
+    struct lx_silkit_where where;
 };
 
 /** Make them, once the wire is there. @return 0, or -1 with one line in `error` */

@@ -145,7 +145,7 @@ static void address(const struct lx_bus *bus, const struct lx_station *station, 
 {
     const struct ring_bus *self = (const struct ring_bus *)bus;
     (void)snprintf(to, size, "%s/%zu",
-                   bus->setup.door->driven ? self->silkit.address : self->coupler.peers.address,
+                   bus->setup.door->driven ? self->silkit.where.ready : self->coupler.peers.address,
                    station->place);
 }
 

@@ -2,8 +2,6 @@
 /* All numbers of a message are little endian. */
 #include "ring_silkit.h"
 
-#include <stdio.h>
-
 #include "drehgeber/bits.h"
 
 #define MEDIA_TYPE "application/vnd.drehgeber.interbus.v1"
@@ -42,17 +40,14 @@ int lx_ring_silkit_open(struct lx_ring_silkit *self, const struct lx_bus_setup *
                         struct lx_error *error)
 {
     const size_t size = (size_t)WORD * self->ring->is->words;
-    struct lx_silkit_where where;
-    if (lx_silkit_split(setup->wire->where, &where, error) != 0 ||
-        lx_silkit_join(setup->silkit, error) != 0) {
+    if (lx_silkit_join(setup->silkit, setup->wire->where, &self->where, error) != 0) {
         return -1;
     }
     self->out = (struct lx_silkit_port){
         .length_min = size, .length_max = size, .receive = receive, .ctx = self};
     self->in = (struct lx_silkit_port){.step = step, .ctx = self};
-    lx_silkit_name_topic(&self->out, where.network, "out");
-    lx_silkit_name_topic(&self->in, where.network, "in");
-    (void)snprintf(self->address, sizeof self->address, "%s,%s", where.uri, where.network);
+    lx_silkit_name_topic(&self->out, self->where.network, "out");
+    lx_silkit_name_topic(&self->in, self->where.network, "in");
     return lx_silkit_subscribe(setup->silkit, &self->out, MEDIA_TYPE, error) != 0
                ? -1
                : lx_silkit_offer(setup->silkit, &self->in, MEDIA_TYPE, error);

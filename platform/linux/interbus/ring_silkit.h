@@ -21,7 +21,7 @@ struct lx_ring_silkit {
     /** One cycle. @return whether it took place */
     bool (*drive)(void *ctx, dg_ns now);
     void *ctx;
-    char address[LX_SILKIT_URI_MAX + LX_SILKIT_NAME_MAX];
+    struct lx_silkit_where where;
 };
 
 /** Make them, once the ring is there; self->ring, drive and ctx are set.

@@ -511,11 +511,13 @@ static int make_participant(struct lx_silkit_call *call, struct lx_error *error)
     return code != 0 ? -1 : make_life(self, error);
 }
 
-int lx_silkit_join(struct lx_silkit *self, struct lx_error *error)
+int lx_silkit_join(struct lx_silkit *self, const char *where, struct lx_silkit_where *out,
+                   struct lx_error *error)
 {
     struct lx_silkit_call call = {.make = make_participant, .all = self};
-    if (self->participant != NULL) {
-        return 0;
+    const int result = lx_silkit_split(where, out, error);
+    if (result != 0 || self->participant != NULL) {
+        return result;
     }
     if (lx_silkit_load(&self->lib, error) != 0 || open_inbox(self, error) != 0) {
         return -1;

@@ -35,7 +35,8 @@
 struct lx_silkit_where {
     char uri[LX_SILKIT_URI_MAX];
     char network[LX_SILKIT_NAME_MAX];
-    char participant[LX_SILKIT_NAME_MAX]; /**< "": the rig's name */
+    char participant[LX_SILKIT_NAME_MAX];               /**< "": the rig's name */
+    char ready[LX_SILKIT_URI_MAX + LX_SILKIT_NAME_MAX]; /**< what a ready line says: both */
 };
 
 /** Understand "silkit://HOST:PORT,NETWORK[,PARTICIPANT]". @return 0, or -1 with `error` */
@@ -87,9 +88,10 @@ int lx_silkit_add(struct lx_silkit *self, const struct dg_plan *plan,
 /** Whether any is, and time is not real. */
 bool lx_silkit_is_virtual(const struct lx_silkit *self);
 
-/** Join the simulation, once; from here on ports can be made.
- * @return 0, or -1 with one line in `error` */
-int lx_silkit_join(struct lx_silkit *self, struct lx_error *error);
+/** A wire joins the simulation, the first one for all; from here on ports can be made. `where`: the
+ * address in its plan, `out`: its parts. @return 0, or -1 with one line in `error` */
+int lx_silkit_join(struct lx_silkit *self, const char *where, struct lx_silkit_where *out,
+                   struct lx_error *error);
 
 /** A CAN controller on `network`, at port->can. The functions of `port` and its `ctx` are set.
  * @return 0, or -1 with `error` */

@@ -15,52 +15,48 @@
 
 /* --- on the library's threads --- */
 
+/* Put what a handler was told into the inbox. A thread that was left behind may still call handlers
+   when the port is gone. */
+static void put(struct lx_silkit_port *port, struct lx_silkit_message message, const void *bytes,
+                size_t n)
+{
+    message.port = port;
+    if (!lx_silkit_is_left_behind()) {
+        lx_silkit_inbox_put(&port->all->inbox, &message, bytes, n);
+    }
+}
+
 static void on_frame(void *ctx, struct lx_sk_can *can, struct lx_sk_frame_event *event)
 {
-    struct lx_silkit_port *port = ctx;
-    if (lx_silkit_is_left_behind()) {
-        return; /* the port may be gone; likewise below */
-    }
     const struct lx_sk_frame *frame = event->frame;
     const bool fits = frame->data.size <= FRAME_BYTES_MAX;
     const struct lx_silkit_message message = {
         .kind = fits ? LX_SILKIT_FRAME : LX_SILKIT_REFUSED,
-        .port = port,
         .time = event->timestamp,
         .id = frame->id,
         .flags = frame->flags,
         .dlc = frame->dlc,
     };
     (void)can;
-    lx_silkit_inbox_put(&port->all->inbox, &message, frame->data.data, fits ? frame->data.size : 0);
+    put(ctx, message, frame->data.data, fits ? frame->data.size : 0);
 }
 
 static void on_transmit(void *ctx, struct lx_sk_can *can, struct lx_sk_transmit_event *event)
 {
-    struct lx_silkit_port *port = ctx;
-    if (lx_silkit_is_left_behind()) {
-        return;
-    }
-    const struct lx_silkit_message message = {
-        .kind = LX_SILKIT_LOST, .port = port, .time = event->timestamp};
+    const struct lx_silkit_message message = {.kind = LX_SILKIT_LOST, .time = event->timestamp};
     (void)can;
-    lx_silkit_inbox_put(&port->all->inbox, &message, NULL, 0);
+    put(ctx, message, NULL, 0);
 }
 
 static void on_error(void *ctx, struct lx_sk_can *can, struct lx_sk_error_event *event)
 {
-    struct lx_silkit_port *port = ctx;
-    if (lx_silkit_is_left_behind()) {
-        return;
-    }
     const struct lx_silkit_message message = {
         .kind = LX_SILKIT_STATE,
-        .port = port,
         .time = event->timestamp,
         .id = (uint32_t)event->state,
     };
     (void)can;
-    lx_silkit_inbox_put(&port->all->inbox, &message, NULL, 0);
+    put(ctx, message, NULL, 0);
 }
 
 static void on_data(void *ctx, struct lx_sk_subscriber *subscriber,
@@ -74,26 +70,20 @@ static void on_data(void *ctx, struct lx_sk_subscriber *subscriber,
     const bool fits = n >= port->length_min && n <= port->length_max;
     const struct lx_silkit_message message = {
         .kind = fits ? LX_SILKIT_DATA : LX_SILKIT_REFUSED,
-        .port = port,
         .time = event->timestamp,
         .id = fits             ? 0
               : n < UINT32_MAX ? (uint32_t)n
                                : UINT32_MAX,
     };
     (void)subscriber;
-    lx_silkit_inbox_put(&port->all->inbox, &message, event->data.data, fits ? n : 0);
+    put(port, message, event->data.data, fits ? n : 0);
 }
 
 /* Each frame is a message by itself, as if it had come on a CAN network. */
 static void on_pack(void *ctx, struct lx_sk_subscriber *subscriber,
                     const struct lx_sk_data_event *event)
 {
-    struct lx_silkit_port *port = ctx;
-    if (lx_silkit_is_left_behind()) {
-        return;
-    }
-    struct lx_silkit_message message = {
-        .kind = LX_SILKIT_FRAME, .port = port, .time = event->timestamp};
+    struct lx_silkit_message message = {.kind = LX_SILKIT_FRAME, .time = event->timestamp};
     const size_t n = event->data.size;
     struct dg_can_frame frame;
     size_t at = LX_SILKIT_PACK_HEAD;
@@ -101,14 +91,14 @@ static void on_pack(void *ctx, struct lx_sk_subscriber *subscriber,
     if (n > LX_SILKIT_PACK_MAX || !lx_silkit_pack_is_good(event->data.data, n)) {
         message.kind = LX_SILKIT_REFUSED;
         message.id = n < UINT32_MAX ? (uint32_t)n : UINT32_MAX;
-        lx_silkit_inbox_put(&port->all->inbox, &message, NULL, 0);
+        put(ctx, message, NULL, 0);
         return;
     }
     while (lx_silkit_pack_next(event->data.data, n, &at, &frame)) {
         message.id = frame.id;
         message.flags = frame.rtr ? LX_SK_FRAME_REMOTE : 0;
         message.dlc = frame.dlc;
-        lx_silkit_inbox_put(&port->all->inbox, &message, frame.data, frame.rtr ? 0 : frame.dlc);
+        put(ctx, message, frame.data, frame.rtr ? 0 : frame.dlc);
     }
 }
 

@@ -83,8 +83,7 @@ static int open_topics(struct silkit_serial *self, struct lx_error *error)
 {
     const struct lx_serial_setup *setup = &self->serial.setup;
     struct lx_silkit_where where;
-    if (lx_silkit_split(setup->where, &where, error) != 0 ||
-        lx_silkit_join(setup->silkit, error) != 0) {
+    if (lx_silkit_join(setup->silkit, setup->where, &where, error) != 0) {
         return -1;
     }
     self->request =
@@ -92,8 +91,7 @@ static int open_topics(struct silkit_serial *self, struct lx_error *error)
     self->reply = (struct lx_silkit_port){.step = flush, .ctx = self};
     lx_silkit_name_topic(&self->request, where.network, "request");
     lx_silkit_name_topic(&self->reply, where.network, "reply");
-    (void)snprintf(self->serial.address, sizeof self->serial.address, "%s,%s", where.uri,
-                   where.network);
+    (void)snprintf(self->serial.address, sizeof self->serial.address, "%s", where.ready);
     return lx_silkit_subscribe(setup->silkit, &self->request, MEDIA_TYPE, error) != 0
                ? -1
                : lx_silkit_offer(setup->silkit, &self->reply, MEDIA_TYPE, error);

@@ -2,6 +2,7 @@
 /* What a plan says about the simulation that a rig is to join. */
 #include <ctype.h>
 #include <stddef.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -54,6 +55,7 @@ int lx_silkit_split(const char *where, struct lx_silkit_where *out, struct lx_er
     const char *name = network[n] == ',' ? network + n + 1 : NULL;
     const bool good = take_uri(where, uri, out->uri) && take_name(network, n, out->network) &&
                       (name == NULL || take_name(name, strlen(name), out->participant));
+    (void)snprintf(out->ready, sizeof out->ready, "%s,%s", out->uri, out->network);
     return good ? 0 : lx_refuse(error, RIGHT, "%s", "");
 }
 
