@@ -62,12 +62,20 @@ bool lx_peers_split(const char *text, struct lx_peers_where *out)
     return lx_host_port_split(rest, &out->at);
 }
 
-bool lx_peers_split_behind(const char *prefix, const char *text, bool named,
-                           struct lx_peers_where *out)
+int lx_peers_read(const struct lx_peers_form *form, const char *text, struct lx_peers_where *out,
+                  struct lx_error *error)
 {
-    const size_t n = strlen(prefix);
-    return strncmp(text, prefix, n) == 0 && lx_peers_split(text + n, out) &&
-           (named || out->word[0] == '\0');
+    const size_t n = strlen(form->prefix);
+    return strncmp(text, form->prefix, n) == 0 && lx_peers_split(text + n, out) &&
+                   (form->named || out->word[0] == '\0')
+               ? 0
+               : lx_refuse(error, form->right, "%s", "");
+}
+
+int lx_peers_check(const struct lx_peers_form *form, const char *text, struct lx_error *error)
+{
+    struct lx_peers_where ignored;
+    return lx_peers_read(form, text, &ignored, error);
 }
 
 /* --- clients that come and go --- */

@@ -41,9 +41,20 @@ struct lx_peers_where {
 
 /** Take an address apart. @return false: it is none */
 bool lx_peers_split(const char *text, struct lx_peers_where *out);
-/** The same behind `prefix`, without a word unless it may be `named`. */
-bool lx_peers_split_behind(const char *prefix, const char *text, bool named,
-                           struct lx_peers_where *out);
+
+/** What the address of a kind of wire looks like. */
+struct lx_peers_form {
+    const char *prefix; /**< before HOST:PORT; "": none */
+    const char *right;  /**< what is told of another one */
+    bool named;         /**< there may be a word */
+};
+
+/** Take such an address apart. @return 0, or -1 with `error` */
+int lx_peers_read(const struct lx_peers_form *form, const char *text, struct lx_peers_where *out,
+                  struct lx_error *error);
+
+/** Whether it is one; likewise. */
+int lx_peers_check(const struct lx_peers_form *form, const char *text, struct lx_error *error);
 
 /** A socket that listens there. @return the descriptor, or -1 with `error` */
 int lx_peers_listen(const struct lx_peers_where *where, struct lx_error *error);

@@ -170,21 +170,6 @@ const struct lx_can_ops lx_can_net_ops = {
 
 /* --- opening --- */
 
-static int read_address(const struct lx_can_dialect *dialect, const char *where,
-                        struct lx_peers_where *out, struct lx_error *error)
-{
-    return lx_peers_split_behind(dialect->prefix, where, dialect->named, out)
-               ? 0
-               : lx_refuse(error, dialect->right, "%s", "");
-}
-
-int lx_can_net_check(const struct lx_can_dialect *dialect, const char *where,
-                     struct lx_error *error)
-{
-    struct lx_peers_where ignored;
-    return read_address(dialect, where, &ignored, error);
-}
-
 int lx_can_net_start(struct lx_can *can, struct lx_error *error)
 {
     struct lx_can_net *self = net_of(can);
@@ -202,10 +187,11 @@ int lx_can_net_start(struct lx_can *can, struct lx_error *error)
     };
     self->dialect = dialect;
     self->peers.listener = -1;
-    if (read_address(dialect, can->setup.where, &self->where, error) != 0 ||
+    if (lx_peers_read(&dialect->address, can->setup.where, &self->where, error) != 0 ||
         lx_peers_open(&self->peers, &peers, error) != 0) {
         return -1;
     }
-    (void)snprintf(can->address, sizeof can->address, "%s%s", dialect->prefix, self->peers.address);
+    (void)snprintf(can->address, sizeof can->address, "%s%s", dialect->address.prefix,
+                   self->peers.address);
     return 0;
 }

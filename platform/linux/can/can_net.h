@@ -22,12 +22,10 @@ struct lx_can_net;
 /** What clients speak. `own` is what a client has, zero at first. */
 struct lx_can_dialect {
     const char *kind;
-    const char *prefix; /**< of an address, before HOST:PORT; "": none */
-    const char *right;  /**< what an address is to look like */
-    bool named;         /**< HOST:PORT may be followed by a word */
+    struct lx_peers_form address;
     size_t own_size;
     const char *hello; /**< for who has come; NULL: nothing is said */
-    /** Answer, switch the client on or off, lx_can_net_take(). */
+    /** Answer, switch the client on or off, lx_can_net_spread(). */
     void (*byte)(struct lx_can_net *self, struct lx_peer *from, dg_ns now, uint8_t byte);
     /** Whether a client takes part. */
     bool (*is_open)(const void *own);
@@ -54,10 +52,6 @@ struct lx_can_net {
 extern const struct lx_can_ops lx_can_net_ops;
 /** As lx_can_kind.start(). */
 int lx_can_net_start(struct lx_can *can, struct lx_error *error);
-
-/** Whether `where` is an address of the dialect. @return 0, or -1 with `error` */
-int lx_can_net_check(const struct lx_can_dialect *dialect, const char *where,
-                     struct lx_error *error);
 
 /** A client sends a frame. @return whether it is on the bus: others with its bit rate are told */
 bool lx_can_net_spread(struct lx_can_net *self, const struct lx_peer *from, dg_ns now,

@@ -73,8 +73,7 @@ static size_t print(const void *own, const struct lx_can_wide *frame, dg_ns now,
 
 static const struct lx_can_dialect slcan = {
     .kind = "slcan",
-    .prefix = "tcp:",
-    .right = "LINK, tcp:HOST:PORT or tcp:HOST:PORT,open is right",
+    .address = {"tcp:", "LINK, tcp:HOST:PORT or tcp:HOST:PORT,open is right", false},
     .own_size = sizeof(struct lx_slcan_channel),
     .byte = take_byte,
     .is_open = is_open,
@@ -89,7 +88,8 @@ static const struct lx_can_kind kind = {sizeof(struct lx_can_net), &lx_can_net_o
 /* What is no TCP port is the link of a pty, or without a name. */
 static bool is_net(const char *where)
 {
-    return where != NULL && strncmp(where, slcan.prefix, strlen(slcan.prefix)) == 0;
+    const char *prefix = slcan.address.prefix;
+    return where != NULL && strncmp(where, prefix, strlen(prefix)) == 0;
 }
 
 struct lx_can *lx_slcan_open(const struct lx_can_setup *setup, struct lx_error *error)
@@ -100,5 +100,5 @@ struct lx_can *lx_slcan_open(const struct lx_can_setup *setup, struct lx_error *
 
 int lx_slcan_address_check(const char *where, struct lx_error *error)
 {
-    return is_net(where) ? lx_can_net_check(&slcan, where, error) : 0;
+    return is_net(where) ? lx_peers_check(&slcan.address, where, error) : 0;
 }

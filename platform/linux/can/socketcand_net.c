@@ -50,9 +50,7 @@ static size_t print(const void *own, const struct lx_can_wide *frame, dg_ns now,
 
 static const struct lx_can_dialect socketcand = {
     .kind = "socketcand",
-    .prefix = "",
-    .right = "HOST:PORT, HOST:PORT,BUS or either with ,open behind it is right",
-    .named = true,
+    .address = {"", "HOST:PORT, HOST:PORT,BUS or either with ,open behind it is right", true},
     .own_size = sizeof(struct lx_socketcand),
     .hello = lx_socketcand_hello,
     .byte = take_byte,
@@ -71,5 +69,5 @@ struct lx_can *lx_socketcand_open(const struct lx_can_setup *setup, struct lx_er
 
 int lx_socketcand_check(const char *where, struct lx_error *error)
 {
-    return lx_can_net_check(&socketcand, where, error);
+    return lx_peers_check(&socketcand.address, where, error);
 }

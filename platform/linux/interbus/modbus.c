@@ -216,20 +216,12 @@ void lx_modbus_unwatch(struct lx_modbus *self)
     lx_ring_time_unwatch(&self->time);
 }
 
-static int read_address(const char *where, struct lx_peers_where *out, struct lx_error *error)
-{
-    return lx_peers_split_behind("", where, false, out)
-               ? 0
-               : lx_refuse(
-                     error,
-                     "HOST:PORT is right, e.g. 127.0.0.1:5020; beyond loopback HOST:PORT,open",
-                     "%s", "");
-}
+static const struct lx_peers_form form = {
+    "", "HOST:PORT is right, e.g. 127.0.0.1:5020; beyond loopback HOST:PORT,open", false};
 
 int lx_modbus_check(const char *where, struct lx_error *error)
 {
-    struct lx_peers_where ignored;
-    return read_address(where, &ignored, error);
+    return lx_peers_check(&form, where, error);
 }
 
 static int listen_at(struct lx_modbus *self, struct lx_error *error)
@@ -246,7 +238,7 @@ static int listen_at(struct lx_modbus *self, struct lx_error *error)
         .byte = on_byte,
         .ctx = self,
     };
-    if (read_address(setup->where, &self->where, error) != 0) {
+    if (lx_peers_read(&form, setup->where, &self->where, error) != 0) {
         return -1;
     }
     self->protocol = modbus_new_tcp_pi(self->where.at.host, self->where.at.port);

@@ -145,32 +145,25 @@ static void on_byte(void *ctx, struct lx_peer *peer, dg_ns now, uint8_t byte, si
 
 /* --- the operations --- */
 
-/* The prefix of the kind, `out` is what stands behind it; NULL: it is no address. */
-static const char *split(const char *where, struct lx_peers_where *out, bool *telnet)
+#define RIGHT "rfc2217:HOST:PORT or tcp:HOST:PORT, with ,open behind it or not, is right"
+static const struct lx_peers_form raw = {"tcp:", RIGHT, false};
+static const struct lx_peers_form rfc2217 = {"rfc2217:", RIGHT, false};
+
+static const struct lx_peers_form *form_of(const char *where)
 {
-    static const char raw[] = "tcp:";
-    static const char rfc2217[] = "rfc2217:";
-    *telnet = strncmp(where, rfc2217, strlen(rfc2217)) == 0;
-    const char *prefix = *telnet ? rfc2217 : raw;
-    return lx_peers_split_behind(prefix, where, false, out) ? prefix : NULL;
+    return strncmp(where, rfc2217.prefix, strlen(rfc2217.prefix)) == 0 ? &rfc2217 : &raw;
 }
 
 int lx_net_port_check(const char *where, struct lx_error *error)
 {
-    struct lx_peers_where ignored;
-    bool telnet = false;
-    return split(where, &ignored, &telnet) != NULL
-               ? 0
-               : lx_refuse(
-                     error,
-                     "rfc2217:HOST:PORT or tcp:HOST:PORT, with ,open behind it or not, is right",
-                     "%s", "");
+    return lx_peers_check(form_of(where), where, error);
 }
 
 static int open_net(struct lx_serial *serial, struct lx_error *error)
 {
     struct net_port *self = port_of(serial);
-    const char *prefix = split(serial->setup.where, &self->where, &self->telnet);
+    const struct lx_peers_form *form = form_of(serial->setup.where);
+    self->telnet = form == &rfc2217;
     const struct lx_peers_setup peers = {
         .event = serial->setup.event,
         .say = serial->setup.say,
@@ -182,14 +175,13 @@ static int open_net(struct lx_serial *serial, struct lx_error *error)
         .ctx = self,
     };
     self->peers.listener = -1;
-    if (prefix == NULL) {
-        return lx_net_port_check(serial->setup.where, error);
-    }
-    if (lx_peers_open(&self->peers, &peers, error) != 0) {
+    if (lx_peers_read(form, serial->setup.where, &self->where, error) != 0 ||
+        lx_peers_open(&self->peers, &peers, error) != 0) {
         return -1;
     }
     serial->fd = self->peers.listener;
-    (void)snprintf(serial->address, sizeof serial->address, "%s%s", prefix, self->peers.address);
+    (void)snprintf(serial->address, sizeof serial->address, "%s%s", form->prefix,
+                   self->peers.address);
     return 0;
 }
 
