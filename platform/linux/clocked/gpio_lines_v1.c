@@ -99,9 +99,8 @@ static int request(struct lines *self, const struct lx_gpio_address *address, bo
 struct lx_gpio_lines *lx_gpio_lines_open(const struct lx_gpio_address *address, bool data,
                                          struct lx_error *error)
 {
-    struct lines *self = calloc(1, sizeof *self);
+    struct lines *self = lx_allocate(sizeof *self, "lines", error);
     if (self == NULL) {
-        (void)lx_fail(error, "no memory for lines");
         return NULL;
     }
     self->base.ops = &ops;

@@ -95,11 +95,7 @@ static void stir(struct sim_bus *self, dg_ns now)
 /* Whether somebody wants each frame, or it may come to something. */
 static bool is_watched(const struct sim_bus *self)
 {
-    bool watched = lx_tap_on(&self->bus.tap);
-    for (size_t i = 0; i < self->bus.setup.count; i++) {
-        watched = watched || self->bus.setup.stations[i]->control->faults.wire != 0;
-    }
-    return watched;
+    return lx_tap_on(&self->bus.tap) || lx_bus_is_bent(&self->bus);
 }
 
 /* Not before the wire is free. */

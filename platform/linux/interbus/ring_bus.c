@@ -30,19 +30,10 @@ static struct ring_bus *ring_of(struct lx_bus *bus)
     return (struct ring_bus *)bus;
 }
 
-static bool is_bent(const struct ring_bus *self)
-{
-    bool bent = false;
-    for (size_t i = 0; i < self->bus.setup.count; i++) {
-        bent = bent || self->bus.setup.stations[i]->control->faults.wire != 0;
-    }
-    return bent;
-}
-
 /* A fault may have happened as often as it was to, which nobody hears of. */
 static void straighten(struct ring_bus *self)
 {
-    if (!self->bent || is_bent(self)) {
+    if (!self->bent || lx_bus_is_bent(&self->bus)) {
         return;
     }
     self->bent = false;
@@ -161,7 +152,7 @@ static void changed(struct lx_bus *bus, struct lx_station *station, dg_ns now)
 {
     struct ring_bus *self = ring_of(bus);
     look(bus, now); /* what is over was not bent by what comes now */
-    self->bent = is_bent(self);
+    self->bent = lx_bus_is_bent(bus);
     if (station != NULL) {
         (void)dg_bus_changed(bus->core, station->place, now);
     }

@@ -128,9 +128,9 @@ int lx_rig_join(struct lx_rig *self, struct lx_error *error)
     if (!lx_silkit_has_joined(self->silkit)) {
         return 0;
     }
-    self->topics = calloc(count, sizeof *self->topics);
+    self->topics = lx_allocate(count * sizeof *self->topics, "the shafts", error);
     if (self->topics == NULL) {
-        return lx_fail(error, "no memory for the shafts");
+        return -1;
     }
     int result = 0;
     for (size_t i = 0; result == 0 && i < count; i++) {

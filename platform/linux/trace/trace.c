@@ -139,9 +139,8 @@ struct lx_trace *lx_trace_open(const struct lx_trace_setup *setup, dg_ns now,
     if (format == NULL) {
         return NULL;
     }
-    struct lx_trace *self = calloc(1, sizeof *self);
+    struct lx_trace *self = lx_allocate(sizeof *self, "a trace", error);
     if (self == NULL) {
-        (void)lx_fail(error, "no memory for a trace");
         return NULL;
     }
     self->format = format;

@@ -427,8 +427,7 @@ static int make_clock(struct lx_silkit *self, struct lx_error *error)
 {
     const uint64_t step = DG_US(self->settings.step_us);
     if (!lx_silkit_is_virtual(self)) {
-        const int result = lx_timer_open(&self->tick, self->event, on_tick, self);
-        return result < 0 ? lx_fail(error, "no timer: %s", strerror(-result)) : 0;
+        return lx_timer_make(&self->tick, self->event, on_tick, self, error);
     }
     return self->lib.time_new(&self->clock, self->lifecycle) != 0 ||
                    self->lib.on_step(self->clock, self, on_step, step) != 0
