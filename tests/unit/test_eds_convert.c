@@ -12,6 +12,7 @@
 
 #include "drehgeber/bits.h"
 #include "eds_client.h"
+#include "failing_nvm.h"
 #include "ram_nvm.h"
 
 #define IMAGE 16384u
@@ -239,6 +240,57 @@ static void damaged_images_do_no_harm(void **state)
     convert_damaged(true);
 }
 
+/* One access to one of the memories fails, whichever: the image stays as it was, and the encoder of
+ * the other file starts on what was made of it. */
+static void convert_failing(bool texts, bool source)
+{
+    static struct ram_nvm image, memory, whole;
+    struct failing_nvm failing;
+    uint32_t refused = 0;
+    uint32_t count = UINT32_MAX;
+    read_file(&first, texts ? texts_before : before);
+    read_file(&second, texts ? texts_after : after);
+    if (texts) {
+        eds_client_switch_on(&first);
+    } else {
+        write_values(5);
+    }
+    save(&first);
+    const size_t size = dg_host_memory_size(first.host);
+    ram_nvm_init(&image, IMAGE);
+    assert_int_equal(dg_host_memory_copy(first.host, image.bytes, size), DG_HOST_OK);
+    whole = image;
+    for (uint32_t n = 0; n < count; n++) {
+        ram_nvm_init(&memory, IMAGE);
+        assert_int_equal(dg_co_format(&second.file.file.device, ram_nvm_port(&memory), 1), DG_OK);
+        const struct dg_nvm from = ram_nvm_port(&image);
+        const struct dg_nvm to = ram_nvm_port(&memory);
+        const int result =
+            dg_co_convert(&second.file.file, source ? failing_nvm_port(&failing, from, n) : from,
+                          source ? to : failing_nvm_port(&failing, to, n), NULL, NULL);
+        count = failing.count <= n ? 0 : UINT32_MAX; /* nothing has failed any more */
+        assert_true(result == DG_OK || result == DG_ERR_IO || result == DG_ERR_FOREIGN);
+        refused += result != DG_OK ? 1u : 0u;
+        assert_memory_equal(image.bytes, whole.bytes, size);
+        assert_int_equal(
+            dg_host_memory_load(second.host, memory.bytes, dg_host_memory_size(second.host)),
+            DG_HOST_OK);
+        if (count == 0) {
+            assert_int_equal(result, DG_OK);
+        }
+    }
+    assert_true(refused > 0);
+}
+
+static void memories_that_fail_do_no_harm(void **state)
+{
+    (void)state;
+    convert_failing(false, true);
+    convert_failing(false, false);
+    convert_failing(true, true);
+    convert_failing(true, false);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -247,6 +299,7 @@ int main(void)
         cmocka_unit_test(texts_and_wide_numbers_are_copied),
         cmocka_unit_test(what_was_not_saved_is_of_no_file),
         cmocka_unit_test(damaged_images_do_no_harm),
+        cmocka_unit_test(memories_that_fail_do_no_harm),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -17,6 +17,7 @@
 #include "drehgeber/rig.h"
 #include "drehgeber/ssi.h"
 #include "drehgeber/stamp.h"
+#include "failing_nvm.h"
 #include "ram_nvm.h"
 
 #define MEMORY_SIZE 65536u
@@ -293,6 +294,78 @@ static void damage_is_not_copied(void **state)
     assert_int_equal(convert("la26"), DG_ERR_FOREIGN);
 }
 
+/* One access to one of the memories fails, whichever: it is told, or the target can be used, and
+ * the image stays as it was. */
+static void convert_failing(const char *from, const char *to, bool source)
+{
+    struct failing_nvm failing;
+    uint32_t refused = 0;
+    int result = DG_ERR_IO;
+    (void)deliver(from, &bench.from);
+    const struct ram_nvm before = bench.from;
+    for (uint32_t n = 0; n == 0 || failing.count >= n; n++) {
+        (void)deliver(to, &bench.to);
+        const struct dg_nvm image = ram_nvm_port(&bench.from);
+        const struct dg_nvm memory = ram_nvm_port(&bench.to);
+        result = dg_model_stamp_convert(
+            stamp_of(to), source ? failing_nvm_port(&failing, image, n) : image,
+            source ? memory : failing_nvm_port(&failing, memory, n), NULL, NULL);
+        assert_true(result == DG_OK || result == DG_ERR_IO || result == DG_ERR_FOREIGN);
+        refused += result != DG_OK ? 1u : 0u;
+        assert_memory_equal(bench.from.bytes, before.bytes, before.size);
+        assert_int_equal(mount(to, &bench.to), DG_OK);
+    }
+    assert_int_equal(result, DG_OK); /* nothing has failed any more */
+    assert_true(refused > 0);
+}
+
+static void memories_that_fail_do_no_harm(void **state)
+{
+    (void)state;
+    convert_failing("la25", "la26", true);
+    convert_failing("la25", "la26", false);
+    convert_failing("sin512", "sin1024", true);
+    convert_failing("sin512", "sin1024", false);
+}
+
+/* Whatever stands where the figures were: other lines, halves of lines, no text. */
+static void figures_that_are_none(void **state)
+{
+    static const struct {
+        const char *figures;
+        int result;
+        const char *told;
+    } rows[] = {
+        {"", DG_ERR_FOREIGN, ""},
+        {"\n", DG_ERR_FOREIGN, ""},
+        {"protocol", DG_ERR_FOREIGN, ""},
+        {"protocol=biss", DG_ERR_FOREIGN, ""},
+        {"protocol=biss\n", DG_ERR_ARGUMENT, "mt - 0;st - 26;"},
+        {"protocol=biss\nmt", DG_ERR_ARGUMENT, "mt - 0;st - 26;"},
+        {"protocol=biss\nmt\nst=26", DG_ERR_ARGUMENT, "mt - 0;"},
+        {"protocol=biss\nmt=0\nst=2", DG_ERR_ARGUMENT, "st 2 26;"},
+        {"protocol=biss\nmt=0\nst=27\n", DG_ERR_ARGUMENT, "st 27 26;"},
+        {"protocol=biss\nmt=0\nst=26\nx", DG_ERR_ARGUMENT, ""},
+        {"protocol=biss\nmt=0\nst=\x7F\n", DG_ERR_FOREIGN, ""},
+    };
+    (void)state;
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
+        (void)deliver("la25", &bench.from);
+        char *at =
+            (char *)&bench.from.bytes[dg_store_address(layout_of("la25"), DG_BISS_REGION_COUNT)];
+        memset(at, 0, DG_MODEL_STAMP_PART);
+        (void)strcpy(at, rows[i].figures);
+        const int result = compare("la26", &bench.from);
+        if (result != rows[i].result || strcmp(bench.told, rows[i].told) != 0) {
+            fail_msg("'%s': %d, %s", rows[i].figures, result, bench.told);
+        }
+        assert_int_equal(
+            dg_model_stamp_compare(stamp_of("la26"), ram_nvm_port(&bench.from), NULL, NULL),
+            rows[i].result);
+    }
+    assert_null(dg_model_stamp_of(NULL, NULL));
+}
+
 /* Damage of the figures is no fault of an encoder. */
 static void nobody_needs_the_figures(void **state)
 {
@@ -325,6 +398,8 @@ int main(void)
         cmocka_unit_test(what_a_hiperface_encoder_keeps),
         cmocka_unit_test(what_a_k3_keeps),
         cmocka_unit_test(damage_is_not_copied),
+        cmocka_unit_test(memories_that_fail_do_no_harm),
+        cmocka_unit_test(figures_that_are_none),
         cmocka_unit_test(nobody_needs_the_figures),
     };
     return cmocka_run_group_tests(tests, read_plan, NULL);
