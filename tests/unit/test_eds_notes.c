@@ -97,12 +97,55 @@ static void what_an_object_does_can_be_asked(void **state)
     assert_int_equal(role_of(0x6501, 0), DG_CO_CONSTANT);
 }
 
+/* Of values of more than 32 bits, of 64 that the encoder itself has, and of another profile. */
+static void what_a_long_value_does_can_be_asked(void **state)
+{
+    (void)state;
+    read_text("[1000]\nDataType=7\nAccessType=ro\nDefaultValue=0x00020196\n"
+              "[2000]\nDataType=0x1B\nAccessType=rw\n[2001]\nDataType=0x1B\nAccessType=ro\n"
+              "[2002]\nDataType=0x09\nAccessType=rw\n"
+              "[6003]\nDataType=7\nAccessType=rw\n"
+              "[6501]\nDataType=7\nAccessType=ro\nDefaultValue=16384\n");
+    assert_int_equal(role_of(0x2000, 0), DG_CO_STORES);
+    assert_int_equal(role_of(0x2001, 0), DG_CO_CONSTANT);
+    assert_int_equal(role_of(0x2002, 0), DG_CO_STORES);
+    assert_int_equal(role_of(0x6003, 0), DG_CO_SIMULATED);
+    read_text("[1000]\nDataType=7\nAccessType=ro\nDefaultValue=0x00020191\n"
+              "[6003]\nDataType=7\nAccessType=rw\n[6004]\nDataType=7\nAccessType=rw\n");
+    assert_int_equal(role_of(0x6003, 0), DG_CO_STORES);
+}
+
+/* As `[section] key=value`, of which each may be missing. */
+static void a_place_is_said(void **state)
+{
+    static const struct {
+        struct dg_eds_note note;
+        const char *said;
+    } rows[] = {
+        {{.section = "", .key = "", .value = ""}, ""},
+        {{.section = "2000", .key = "", .value = ""}, "[2000]"},
+        {{.section = "", .key = "x", .value = ""}, "x"},
+        {{.section = "", .key = "x", .value = "1"}, "x=1"},
+        {{.section = "2000", .key = "x", .value = ""}, "[2000] x"},
+        {{.section = "2000", .key = "x", .value = "1"}, "[2000] x=1"},
+    };
+    (void)state;
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
+        char text[64];
+        struct dg_text to = dg_text_in(text, sizeof text);
+        dg_co_say_place(&rows[i].note, &to);
+        assert_string_equal(text, rows[i].said);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(what_is_left_out_is_noted),
         cmocka_unit_test(a_position_is_read_only),
         cmocka_unit_test(what_an_object_does_can_be_asked),
+        cmocka_unit_test(what_a_long_value_does_can_be_asked),
+        cmocka_unit_test(a_place_is_said),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
