@@ -176,7 +176,8 @@ VCDS = {
     "other names": HEAD.replace(" MA ", " clk ").replace("SLO", "sl") + FRAME,
     "a range": HEAD.replace("SLO $end", "SLO [0] $end") + FRAME,
     "other signals": HEAD.replace("$enddef", "$var real 64 r SPEED $end\n$enddef") + "r1.5 r\nsidle r\n" + FRAME,
-    "blocks": HEAD + "$dumpvars\nxm\nZs\n$end\n$comment so what $end\n$dumpall\n$end\n$dumpon\n$end\n$dumpoff\n$end\n" + FRAME,
+    "blocks": HEAD + "".join(f"${name}\nxm\nZs\n$end\n" for name in ("dumpvars", "dumpall", "dumpon", "dumpoff"))
+        + "$comment so what $end\n" + FRAME,
     "vectors": HEAD + FRAME.replace("0m", "b0 m").replace("1m", "B1 m"),
     "blanks first": "\r\n " + HEAD + FRAME,
     "no scale": HEAD.partition("\n")[2] + FRAME,
@@ -204,8 +205,11 @@ def can_frame(can_id: int, data: bytes, length: int | None = None, flags: int = 
 
 def test_packets_that_no_encoder_has_are_counted(tmp_path):
     ended = explain(tmp_path, pcap(
-        (1, 0, can_frame(0x73F, b"\x7f")), (1, 1000, can_frame(0x98FF1234, b"")), (1, 2000, can_frame(0x20000004, bytes(8))),
-        (1, 3000, can_frame(0x123, bytes(12), flags=4)), (1, 4000, can_frame(0x400001BF, b"", length=4))))
+        (1, 0, can_frame(0x73F, b"\x7f")),
+        (1, 1000, can_frame(0x98FF1234, b"")),
+        (1, 2000, can_frame(0x20000004, bytes(8))),
+        (1, 3000, can_frame(0x123, bytes(12), flags=4)),
+        (1, 4000, can_frame(0x400001BF, b"", length=4))))
     assert ended.returncode == 0, ended.stderr
     assert [line.split("  [")[0] for line in ended.stdout.splitlines()] == [
         "0.000000 > heartbeat node 63 pre-operational", f"0.000004 {TPDO}"]

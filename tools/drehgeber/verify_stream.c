@@ -74,11 +74,18 @@ static bool wait_for(int fd, short events, int limit_ms)
     return result > 0;
 }
 
+/* Nobody at the other end of a network is an error, not the end of the command. */
+static ssize_t send_some(int fd, const char *from, size_t n)
+{
+    const ssize_t sent = send(fd, from, n, MSG_NOSIGNAL);
+    return sent < 0 && errno == ENOTSOCK ? write(fd, from, n) : sent;
+}
+
 int verify_stream_send(int fd, const void *bytes, size_t n)
 {
     const char *from = bytes;
     while (n > 0) {
-        const ssize_t sent = write(fd, from, n);
+        const ssize_t sent = send_some(fd, from, n);
         if (sent > 0) {
             from += sent;
             n -= (size_t)sent;

@@ -1,0 +1,259 @@
+# SPDX-License-Identifier: MIT
+"""verify: wires that fail, adapters and nodes that misbehave, files that cannot be written, clauses that cannot be
+read. The encoder is a few lines of Python behind a network, which does what no encoder of ours would."""
+import contextlib
+import re
+import socket
+import subprocess
+import threading
+from xml.etree import ElementTree
+
+import pytest
+
+from rig import PROGRAM, free_port, run, run_refused
+
+NODE = 63
+CLAUSE = "M12-7"  # it asks for a constant, and nothing else
+OBJECTS = {0x1000: 0x00020196, 0x6004: 1000, 0x2160: 1000}
+LIMIT_S = 20.0
+
+
+class Node(threading.Thread):
+    """A node behind an SLCAN adapter on TCP, for one master. change(number, index, line) makes of the answer to the
+    n-th upload what is sent in its place; None: the connection ends."""
+
+    def __init__(self, change=lambda number, index, line: line, node: int = NODE):
+        super().__init__(daemon=True)
+        self.change, self.node = change, node
+        self.listener = socket.create_server(("127.0.0.1", 0))
+        self.where = f"--slcan=tcp:127.0.0.1:{self.listener.getsockname()[1]}"
+        self.lines = []
+        self.number = 0
+
+    def answer(self, line: bytes):
+        """What is sent for a line of the master; None: the connection ends."""
+        self.lines.append(line)
+        found = re.fullmatch(rb"t%03X840(..)(..)(..)0{8}" % (0x600 + self.node), line)
+        if not found:
+            return b"\r"
+        index = int(found[2] + found[1], 16)
+        value = OBJECTS.get(index, 0).to_bytes(4, "little").hex().upper().encode()
+        self.number += 1
+        return self.change(self.number, index, b"t%03X843%s%s%s%s\r" % (0x580 + self.node, *found.groups(), value))
+
+    def run(self):
+        rest = b""
+        with contextlib.suppress(OSError), self.listener.accept()[0] as wire:
+            while data := wire.recv(4096):
+                *lines, rest = (rest + data).split(b"\r")
+                for line in lines:
+                    sent = self.answer(line)
+                    if sent is None:
+                        return
+                    wire.sendall(sent)
+
+    def __enter__(self):
+        self.start()
+        return self
+
+    def __exit__(self, *_):
+        with contextlib.suppress(OSError):
+            self.listener.shutdown(socket.SHUT_RDWR)
+        self.listener.close()
+        self.join(LIMIT_S)
+        assert not self.is_alive()
+
+
+def verify(node: Node, *arguments, **options) -> subprocess.CompletedProcess:
+    return subprocess.run([PROGRAM, "verify", "f3668", node.where, *map(str, arguments)], stdin=subprocess.DEVNULL,
+                          stderr=subprocess.PIPE, text=True, timeout=LIMIT_S,
+                          **({"stdout": subprocess.PIPE} | options))
+
+
+# --- adapters
+
+ADAPTERS = {
+    "as they are": lambda _, __, line: line,
+    "small letters": lambda _, __, line: line.lower(),
+    "bells": lambda _, __, line: b"\a" + line,
+    "a long line": lambda _, __, line: b"t" * 200 + b"\r" + line,
+    "extended frames": lambda _, __, line: b"T0000073F17F\r" + line,
+    "remote frames": lambda _, __, line: b"r73F1\r" + line,
+    "other nodes": lambda _, __, line: line.replace(b"t5BF", b"t585") + line,
+    "half a frame": lambda _, __, line: line[:12] + b"\r" + line,
+    "no digits": lambda _, __, line: b"tXYZ0\rt5BFX\rt5BF9\rtFFF0\r" + line,
+}
+
+
+@pytest.mark.parametrize("change", ADAPTERS.values(), ids=ADAPTERS)
+def test_what_adapters_send_beside_it_does_not_matter(change):
+    with Node(change) as node:
+        ended = verify(node, CLAUSE, "--quiet")
+    assert ended.stdout.startswith("f3668: device type 00020196h, product 00000000h, revision 0, firmware 0\n")
+    assert ended.stderr == ""
+    assert node.lines[:3] == [b"", b"C", b"S5"] and node.lines[-1] == b"C"
+
+
+def test_another_node():
+    with Node(node=5) as node:
+        ended = verify(node, CLAUSE, "--node", 5)
+    assert ended.stdout.startswith("f3668: device type 00020196h")
+    assert not any(line.startswith((b"t63F", b"r73F")) for line in node.lines)
+
+
+# --- nodes
+
+NODES = {
+    "gone": (lambda *_: None, "node 63 does not answer"),
+    "gone later": (lambda number, _, line: line if number < 10 else None, "node 63 does not answer"),
+    "aborting": (lambda _, __, line: line.replace(b"t5BF843", b"t5BF880"), "node 63 does not answer"),
+    "of another object": (lambda _, __, line: line[:9] + b"FF" + line[11:], "node 63 does not answer"),
+    "short": (lambda _, __, line: line[:4] + b"4" + line[5:13] + b"\r", "node 63 does not answer"),
+    "turning": (lambda number, index, line: line if index != 0x6004 else line[:13] + b"%08X\r" % (number << 16),
+                "the shaft turns"),
+    "babbling": (lambda *_: b"t1010\r" * 5000, "node 63 does not answer"),
+}
+
+
+@pytest.mark.parametrize("change, refusal", NODES.values(), ids=NODES)
+def test_nodes_that_are_refused(change, refusal):
+    with Node(change) as node:
+        ended = verify(node)
+    assert (ended.returncode, ended.stdout) == (1, "")
+    (line,) = ended.stderr.splitlines()
+    assert line.startswith(f"drehgeber: {node.where.partition('=')[2]}: {refusal}; "), line
+
+
+LOST = {
+    "gone": lambda number, _, line: line if number < 27 else None,
+    "babbling": lambda number, _, line: line if number < 27 else b"t1010\r" * 5000,
+}
+
+
+@pytest.mark.parametrize("change", LOST.values(), ids=LOST)
+def test_nodes_that_are_lost_end_it(change):
+    with Node(change) as node:
+        ended = verify(node, CLAUSE, "--quiet")
+    assert ended.returncode == 1
+    assert re.search(r"^it ended early: the encoder was lost in the row '.+'$", ended.stdout, re.M), ended.stdout
+
+
+def test_a_wrong_constant_is_told_in_every_form(tmp_path):
+    """Everything is zero: what is asked for has to differ."""
+    files = [tmp_path / "junit.xml", tmp_path / "report.txt"]
+    with Node() as node:
+        ended = verify(node, CLAUSE, "--junit", files[0], "--report", files[1])
+    assert ended.returncode == 1
+    (why,) = re.findall(rf"^differs  {CLAUSE}: (.*)$", ended.stdout, re.M)
+    assert "sent 63F 40 " in why and "expected 5BF" in why and "came 5BF" in why
+    (failure,) = ElementTree.parse(files[0]).getroot().findall(f"testcase[@name='{CLAUSE}']/failure")
+    assert failure.get("message") == why
+    assert f" {CLAUSE}: differs: {why}\n" in files[1].read_text("utf-8")
+
+
+def test_who_is_not_alone_is_told(tmp_path):
+    """Another node answers what all nodes are asked."""
+    class Two(Node):
+        def answer(self, line):
+            return b"t5858430010009601020" + b"0\r" if line.startswith(b"t605840001000") else super().answer(line)
+
+    with Two() as node:
+        ended = verify(node, CLAUSE, "--alone")
+    assert (ended.returncode, ended.stdout) == (1, "")
+    assert ended.stderr.startswith("drehgeber: somebody else is on the bus: 585h was heard; ")
+
+
+def test_who_is_alone_is_left_as_it_was():
+    with Node() as node:
+        ended = verify(node, CLAUSE, "--alone")
+    assert ended.stdout.startswith("f3668: ")
+    asked = {line[:4] for line in node.lines if line[4:13] == b"840001000"}
+    assert asked == {b"t%03X" % (0x600 + node) for node in range(1, 128)}
+    assert b"t00028" + b"03F" in node.lines  # pre-operational again
+
+
+# --- wires
+
+def test_wires_that_are_not_there(tmp_path):
+    port = free_port()
+    for where in "--can=nowhere0", f"--slcan={tmp_path}/none", f"--slcan=tcp:127.0.0.1:{port}", "--slcan=/dev/null":
+        assert where.partition("=")[2] in run_refused(1, "verify", "f3668", where)
+
+
+@pytest.mark.parametrize("node", ["0", "128", "x", "5x"])
+def test_nodes_that_there_are_not(node):
+    assert f"--node {node}; " in run_refused(1, "verify", "f3668", "--slcan=/dev/null", f"--node={node}")
+
+
+# --- files
+
+@pytest.mark.parametrize("option", ["--junit", "--report"])
+def test_files_that_cannot_be_written(tmp_path, option):
+    for path in tmp_path / "none/file", "/dev/full":
+        with Node() as node:
+            ended = verify(node, CLAUSE, option, path)
+        assert ended.returncode == 1
+        assert ended.stderr.startswith(f"drehgeber: {path}: ") and ended.stderr.count("\n") == 1
+
+
+def test_an_output_that_takes_nothing():
+    with Node() as node, open("/dev/full", "wb") as full:
+        ended = verify(node, CLAUSE, stdout=full)
+    assert (ended.returncode, ended.stderr) == (1, "drehgeber: cannot write to stdout\n")
+
+
+# --- clauses
+
+CLAUSES = "M1 | a clause\n# a comment\n\nM2 | another\n"
+ROWS = "[M1] a row\n  given f3668\n  read 1000:0 96 01 02 00\n"
+FORGED = {
+    "no bar": ("M1\n", ROWS, "canopen.clauses:1: not `ID | text`"),
+    "no text": ("M1 | a\nM2 |\n", ROWS, "canopen.clauses:2: ID or text is missing"),
+    "no ID": (" | a\n", ROWS, "canopen.clauses:1: ID or text is missing"),
+    "listed": ("M1 | a | 28\n", ROWS, "canopen.clauses:1: not `ID | text | listed KEY`"),
+    "listed nowhere": ("M1 | a | listed \n", ROWS, "canopen.clauses:1: not `ID | text | listed KEY`"),
+    "too many clauses": ("".join(f"M{i} | a\n" for i in range(801)), ROWS, "canopen.clauses:801: not `ID | text`"),
+    "no bracket": (CLAUSES, "[M1 a row\n", "canopen.rows:1: not `[IDs] title`"),
+    "no title": (CLAUSES, "[M1]\n", "canopen.rows:1: not `[IDs] title`"),
+    "no row": (CLAUSES, "# rows\n  given f3668\n", "canopen.rows:2: step before the first row"),
+    "too many rows": (CLAUSES, "[M1] a\n" * 801, "canopen.rows:801: not `[IDs] title`, or too many rows"),
+    "too many steps": (CLAUSES, ROWS + "  wait 1ms\n" * 8000, "canopen.rows:8002: step before the first row"),
+    "crowded": (CLAUSES, "[1 2 3 4 5 6 7 8 9] a row\n", "canopen.rows:1: row cites too many clauses"),
+    "no rows": (CLAUSES, None, "canopen.rows: cannot be read"),
+    "no clauses": (None, ROWS, "canopen.clauses: cannot be read"),
+}
+
+
+def write_clauses(folder, clauses, rows):
+    for name, content in (("clauses", clauses), ("rows", rows)):
+        for suite in "canopen", "cia406":
+            if content is not None:
+                (folder / f"{suite}.{name}").write_text(content)
+
+
+@pytest.mark.parametrize("clauses, rows, refusal", FORGED.values(), ids=FORGED)
+def test_clauses_that_cannot_be_read(tmp_path, monkeypatch, clauses, rows, refusal):
+    write_clauses(tmp_path, clauses, rows)
+    monkeypatch.setenv("DREHGEBER_CLAUSES", str(tmp_path))
+    ended = run("verify", "f3668", "--slcan=/dev/null")
+    told, sum_of_it = ended.stderr.splitlines()
+    assert (ended.returncode, ended.stdout) == (1, "")
+    assert told.startswith(f"{tmp_path}/{refusal}"), told
+    assert sum_of_it == f"drehgeber: {tmp_path}: these clauses cannot be read"
+
+
+def test_clauses_of_ones_own(tmp_path, monkeypatch):
+    write_clauses(tmp_path, CLAUSES + "M3 | a contradiction | listed 1\nM4 | a \"turned\" <shaft>\n", ROWS + """
+[M2] another value\n  given f3668\n  read 1000:0 97 01 02 00
+[M4] a shaft\n  given f3668\n  turn 90DEG\n  read 1000:0 96 01 02 00
+""")
+    monkeypatch.setenv("DREHGEBER_CLAUSES", str(tmp_path))
+    with Node() as node:
+        ended = verify(node, "--junit", tmp_path / "junit.xml")
+    assert ended.returncode == 0, ended.stdout
+    for line in ("agrees   M1", "not seen M2: is about an encoder with other figures",
+                 "not seen M3: the manual says two things; see 'Inaccuracies and choices'",
+                 "not seen M4: needs a shaft that is turned as the row says"):
+        assert ended.stdout.count(f"\n{line}\n") == 2, ended.stdout
+    assert ended.stdout.splitlines()[-1] == "2 clauses agree, 0 differ, 6 were not seen"
+    assert len(ElementTree.parse(tmp_path / "junit.xml").getroot().findall("testcase/skipped")) == 6
