@@ -321,3 +321,54 @@ def test_a_pipe_is_no_recording(tmp_path):
     ended = run("explain", path)
     os.close(keep)
     assert (ended.returncode, ended.stdout, len(ended.stderr.splitlines())) == (1, "", 1)
+
+
+# --- against a model
+
+BOOT = "(0.0) can0 73F#00\n"
+ASK = "(1.0) can0 63F#4000100000000000\n"
+AGAINST = {
+    "no answer": (BOOT + ASK, "came:  nothing\n  model: 43 00 10 00 96 01 02 00"),
+    "a PDO that nobody sends": (BOOT + "(1.0) can0 1BF#00000000\n", "came:  00 00 00 00  TPDO1"),
+    "a position beyond all": (BOOT + "(1.0) can0 63F#4004600000000000\n(1.001) can0 5BF#43046000FFFFFFFF\n",
+                              "came:  43 04 60 00 FF FF FF FF"),
+    "another length": (BOOT + "(1.0) can0 63F#4008100000000000\n(1.001) can0 5BF#4108100010000000\n",
+                       "came:  41 08 10 00 10 00 00 00"),
+}
+
+
+@pytest.mark.parametrize("content, difference", AGAINST.values(), ids=AGAINST)
+def test_differences_of_a_bus(tmp_path, content, difference):
+    ended = explain(tmp_path, content, "--against", "f3668", "--node", "63")
+    assert ended.returncode == 1 and difference in ended.stdout, ended.stdout
+
+
+def test_an_answer_that_nobody_has_asked_for(tmp_path):
+    ended = explain(tmp_path, "0.0 > 40 42 00 01 E2 40 A1\n", "--against", "s3684-rs485")
+    assert ended.returncode == 1 and ended.stdout.endswith("\n  model: nothing\n")
+
+
+BROKEN = {
+    "a bus": (BOOT + ASK + "(1.001) can0 5BF#4300100096010200\nx\n", "f3668", 85),
+    "a line": (LOG + "x\n", "s3684-rs485", 43),
+    "a clocked line": (HEAD + FRAME + "?\n", "ssi-25", len(HEAD + FRAME)),
+}
+
+
+@pytest.mark.parametrize("against", [False, True], ids=["in words", "against"])
+@pytest.mark.parametrize("content, model, offset", BROKEN.values(), ids=BROKEN)
+def test_recordings_that_break_off(tmp_path, content, model, offset, against):
+    ended = explain(tmp_path, content, *(["--against", model] if against else []))
+    assert ended.returncode == 1
+    assert ended.stderr.startswith(f"drehgeber: {tmp_path}/recording:{offset}: ") and ended.stderr.count("\n") == 1
+
+
+@pytest.mark.parametrize("arguments, refusal", [
+    (["ssi-25", "--address", "5"], "ssi-25 has no address"),
+    (["ssi-25", "--set", "parity=both"], "--set parity=both: out of its range"),
+    (["f3668"], "levels of a clocked line, f3668 has CAN frames on its wire"),
+    (["ocd-ib-k3"], "levels of a clocked line, ocd-ib-k3 has words of a ring on its wire"),
+])
+def test_models_that_are_refused(tmp_path, arguments, refusal):
+    ended = explain(tmp_path, HEAD + FRAME, "--against", *arguments)
+    assert (ended.returncode, ended.stdout) == (2, "") and refusal in ended.stderr
