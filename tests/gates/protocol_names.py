@@ -67,7 +67,7 @@ ALLOWED = {
     "tests/e2e/test_models.py": COMMAND,
     "tests/e2e/test_manual.py": COMMAND,
     "tests/e2e/test_trace_tools.py": COMMAND,
-    "tests/e2e/test_verify.py": "lists of clauses that are called so",
+    "tests/e2e/verified.py": "lists of clauses that are called so",
     "tests/fmu/test_described.py": NAMED,
     "tests/gates/*.py": "which folders there are",
     "tests/python/test_encoder.py": "properties of Encoder that only one protocol has",

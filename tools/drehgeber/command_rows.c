@@ -122,7 +122,8 @@ const struct command_row command_rows[] = {
         .wires = true,
         .usage = "verify MODEL WIRE [CLAUSE ...] [OPTIONS]",
         .help = "ask a real encoder what the clauses of its manual say",
-        .takes = " model node alone junit report json quiet ",
+        .takes =
+            " model node alone write irreversible restore journal power junit report json quiet ",
         .ask = verify_command,
     },
     {

@@ -79,14 +79,18 @@ static const struct {
             "\n"
             "  drehgeber fmu s3684-biss --output axis.fmu\n"
             "  drehgeber fmu vendor.eds --output vendor.fmu\n"},
-    {"verify", "WIRE leads to the encoder: of RS485 --tty, --pty or --rs485=tcp:HOST:PORT, of\n"
-               "CANopen --can or --slcan. Nothing is changed, and nothing is sent that another\n"
-               "device would obey. A line for each clause says 'agrees', 'differs' or 'not seen:\n"
-               "why'. Ends with 1 when something differs. CLAUSE is one, or the beginning of\n"
-               "several; without one all are asked. Please send the file of --report in.\n"
-               "\n"
-               "  drehgeber verify s3684-rs485 --tty=/dev/ttyUSB0 --report s3684.txt\n"
-               "  drehgeber verify f3668 --can=can0 --node 63\n"},
+    {"verify",
+     "WIRE leads to the encoder: of RS485 --tty, --pty or --rs485=tcp:HOST:PORT, of\n"
+     "CANopen --can or --slcan. Without --write nothing is changed, and without --alone\n"
+     "nothing is sent that another device would obey. A line for each clause says\n"
+     "'agrees', 'differs' or 'not seen: why'. Ends with 1 when something differs. CLAUSE\n"
+     "is one, or the beginning of several; without one all are asked. Please send the\n"
+     "file of --report in. When a run with --write was cut off, --restore puts back.\n"
+     "\n"
+     "  drehgeber verify s3684-rs485 --tty=/dev/ttyUSB0 --report s3684.txt\n"
+     "  drehgeber verify f3668 --can=can0 --node 63\n"
+     "  drehgeber verify f3668 --can=can0 --write --power ./relay\n"
+     "  drehgeber verify f3668 --can=can0 --restore\n"},
     {"ctl", "Commands are sent, answers printed; without a command they are read from stdin.\n"
             "Without --control the one rig that runs is meant. A number without a unit is in\n"
             "DEG, RPM, RPM/S, MS, DEGC, MV or UA; DURation of FAULt:SET needs its unit.\n"

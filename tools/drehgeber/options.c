@@ -17,9 +17,10 @@
 /* Options that only those commands have which list them in `takes`. */
 static bool of_few(const struct argp_option *option)
 {
-    static const int keys[] = {KEY_JSON,    KEY_EXPLAIN, KEY_OUTPUT,  KEY_FMI,   KEY_LISTEN,
-                               KEY_TOKEN,   KEY_WATCH,   KEY_TIMEOUT, KEY_C,     KEY_AGAINST,
-                               KEY_ADDRESS, KEY_ALONE,   KEY_JUNIT,   KEY_REPORT};
+    static const int keys[] = {KEY_JSON,         KEY_EXPLAIN, KEY_OUTPUT,  KEY_FMI,    KEY_LISTEN,
+                               KEY_TOKEN,        KEY_WATCH,   KEY_TIMEOUT, KEY_C,      KEY_AGAINST,
+                               KEY_ADDRESS,      KEY_ALONE,   KEY_JUNIT,   KEY_REPORT, KEY_WRITE,
+                               KEY_IRREVERSIBLE, KEY_RESTORE, KEY_JOURNAL, KEY_POWER};
     for (size_t i = 0; i < DG_COUNT(keys); i++) {
         if (option->key == keys[i]) {
             return true;
@@ -248,6 +249,8 @@ static const struct {
     {KEY_AGAINST, offsetof(struct options, model)},
     {KEY_ADDRESS, offsetof(struct options, address)},
     {KEY_JUNIT, offsetof(struct options, junit)},
+    {KEY_JOURNAL, offsetof(struct options, journal)},
+    {KEY_POWER, offsetof(struct options, power)},
     {KEY_REPORT, offsetof(struct options, report)},
 };
 #define TEXT_COUNT DG_COUNT(texts)
@@ -257,10 +260,16 @@ static const struct {
     int key;
     size_t offset; /* of the bool in struct options */
 } switches[] = {
-    {KEY_JSON, offsetof(struct options, json)},   {KEY_VERBOSE, offsetof(struct options, verbose)},
-    {KEY_WATCH, offsetof(struct options, watch)}, {KEY_QUIET, offsetof(struct options, say.quiet)},
-    {KEY_C, offsetof(struct options, c)},         {KEY_EXPLAIN, offsetof(struct options, explain)},
+    {KEY_JSON, offsetof(struct options, json)},
+    {KEY_VERBOSE, offsetof(struct options, verbose)},
+    {KEY_WATCH, offsetof(struct options, watch)},
+    {KEY_QUIET, offsetof(struct options, say.quiet)},
+    {KEY_C, offsetof(struct options, c)},
+    {KEY_EXPLAIN, offsetof(struct options, explain)},
     {KEY_ALONE, offsetof(struct options, alone)},
+    {KEY_WRITE, offsetof(struct options, write)},
+    {KEY_IRREVERSIBLE, offsetof(struct options, irreversible)},
+    {KEY_RESTORE, offsetof(struct options, restore)},
 };
 
 /* An empty one is most likely an empty variable of a script. */

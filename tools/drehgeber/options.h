@@ -92,6 +92,8 @@ struct options {
     const char *timeout;
     const char *capture; /* a recording, as `model` is that of --against */
     const char *address;
+    const char *journal;
+    const char *power;
     const char *junit;
     const char *report;
     char **words; /* owned; what `biss MODEL` and its like are to do, as many as argc at most */
@@ -104,6 +106,9 @@ struct options {
     bool explain;
     bool watch;
     bool alone;
+    bool write;
+    bool irreversible;
+    bool restore;
     bool verbose;
     struct lx_say say;
     struct argp_option *table; /* owned: all options */

@@ -159,6 +159,35 @@ const struct argp_option option_rows[] = {
         .doc = "send also what reaches others on the wire, when nobody else is there",
     },
     {
+        .name = "write",
+        .key = KEY_WRITE,
+        .doc = "change the encoder, too, and put everything back after each experiment",
+    },
+    {
+        .name = "irreversible",
+        .key = KEY_IRREVERSIBLE,
+        .doc = "with --write also what cannot be put back",
+    },
+    {
+        .name = "restore",
+        .key = KEY_RESTORE,
+        .doc = "only put back what a run that was cut off has left changed",
+    },
+    {
+        .name = "journal",
+        .key = KEY_JOURNAL,
+        .arg = "FILE",
+        .doc = "of --write: what is to be put back (default: drehgeber/verify.journal in "
+               "$XDG_STATE_HOME)",
+    },
+    {
+        .name = "power",
+        .key = KEY_POWER,
+        .arg = "COMMAND",
+        .doc =
+            "cut the supply by 'COMMAND off' and 'COMMAND on' (default: you are asked to, on a terminal)",
+    },
+    {
         .name = "junit",
         .key = KEY_JUNIT,
         .arg = "FILE",

@@ -35,6 +35,11 @@ enum option_key {
     KEY_CONTROL,
     KEY_VERBOSE,
     KEY_ALONE,
+    KEY_WRITE,
+    KEY_IRREVERSIBLE,
+    KEY_RESTORE,
+    KEY_JOURNAL,
+    KEY_POWER,
     KEY_JUNIT,
     KEY_REPORT,
     KEY_WIRE, /* and one more for each kind of wire */

@@ -8,57 +8,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "canopen_steps.h"
 #include "drehgeber/bits.h"
 #include "drehgeber/devices.h"
 #include "timer.h"
-#include "verify_frames.h"
-#include "verify_parts.h"
+#include "verify_canopen.h"
 #include "verify_stream.h"
-
-/* Whom the rows talk to. */
-#define ROW_NODE 0x3Fu
-/* How long an SDO server may take; the manual has no limit. */
-#define ANSWER_MAX DG_S(1)
-/* What a host adds to a moment, beside its measured jitter. */
-#define HOST_ADDS DG_MS(20)
-/* How long something that must not come is waited for. */
-#define SILENCE DG_MS(20)
-#define READINGS 20u
-#define MOVES_MAX 64u
-/* Frames that are looked at for one of the node: a bus may be busy, and a babbling one is left. */
-#define FRAMES_MAX 4000u
-
-#define SDO_REQUEST 0x600u
-#define SDO_ANSWER 0x580u
-/* An identifier that no frame has. */
-#define NOBODY 0xFFFFu
-/* How long an answer to what was before may be on its way. */
-#define SETTLE DG_MS(5)
-#define GUARDING (0x700u + ROW_NODE)
-
-struct canopen {
-    struct verify_encoder base;
-    struct cf_canopen_trial trial;
-    struct verify_frames wire;
-    const struct dg_device *device;
-    uint8_t node;
-    bool alone;
-    dg_ns jitter;
-    uint32_t moves;
-    dg_ns since; /* the row's last step */
-    struct dg_can_frame request;
-};
-
-static struct canopen *of(struct verify_encoder *base)
-{
-    return (struct canopen *)base;
-}
-
-static uint32_t le32(const uint8_t *from)
-{
-    return (uint32_t)from[3] << 24 | (uint32_t)from[2] << 16 | (uint32_t)from[1] << 8 | from[0];
-}
 
 /* --- the bus --- */
 
@@ -69,14 +23,14 @@ static uint16_t move_id(uint16_t id, uint8_t from, uint8_t to)
     return of_node ? (uint16_t)((id & 0x780u) | to) : id;
 }
 
-static bool send_frame(struct canopen *self, const struct dg_can_frame *frame,
-                       struct cf_report *report)
+bool verify_canopen_send_frame(struct canopen *self, const struct dg_can_frame *frame,
+                               struct cf_report *report)
 {
     self->request = *frame;
     if (verify_frames_send(&self->wire, frame) != 0) {
         return verify_fail(&self->base, VERIFY_LOST, report, "the wire takes nothing any more");
     }
-    self->since = lx_real_now();
+    self->base.since = lx_real_now();
     return true;
 }
 
@@ -89,8 +43,8 @@ static bool is_answer(const struct canopen *self, uint16_t id)
 
 /* The next frame with this identifier, 0: that answers something. @return 1, 0: none came, -1:
    lost, as `report` says */
-static int receive_id(struct canopen *self, uint16_t id, dg_ns until, struct dg_can_frame *to,
-                      struct cf_report *report)
+int verify_canopen_receive_id(struct canopen *self, uint16_t id, dg_ns until,
+                              struct dg_can_frame *to, struct cf_report *report)
 {
     for (unsigned n = 0; n < FRAMES_MAX; n++) {
         const int result = verify_frames_receive(&self->wire, until, to);
@@ -109,8 +63,8 @@ static int receive_id(struct canopen *self, uint16_t id, dg_ns until, struct dg_
     return -1;
 }
 
-/* Upload an object of at most four bytes. @return whether it was answered so */
-static bool upload(struct canopen *self, uint16_t index, uint8_t sub, uint32_t *value)
+/* Upload an object of at most four bytes. @return how many, 0: it was not answered so */
+size_t verify_canopen_upload(struct canopen *self, uint16_t index, uint8_t sub, uint32_t *value)
 {
     struct dg_can_frame frame = {.id = (uint16_t)(SDO_REQUEST + self->node), .dlc = 8};
     struct cf_report report = {0};
@@ -119,26 +73,20 @@ static bool upload(struct canopen *self, uint16_t index, uint8_t sub, uint32_t *
     frame.data[1] = (uint8_t)index;
     frame.data[2] = (uint8_t)(index >> 8);
     frame.data[3] = sub;
-    if (!send_frame(self, &frame, &report) ||
-        receive_id(self, (uint16_t)(SDO_ANSWER + self->node), self->since + ANSWER_MAX, &frame,
-                   &report) != 1 ||
+    if (!verify_canopen_send_frame(self, &frame, &report) ||
+        verify_canopen_receive_id(self, (uint16_t)(SDO_ANSWER + self->node),
+                                  self->base.since + ANSWER_MAX, &frame, &report) != 1 ||
         frame.dlc != 8 || (frame.data[0] & 0xF3u) != 0x43u ||
         memcmp(frame.data + 1, self->request.data + 1, 3) != 0) {
-        return false;
+        return 0;
     }
-    memcpy(bytes, frame.data + 4, 4u - (frame.data[0] >> 2 & 3u));
+    const size_t n = 4u - (frame.data[0] >> 2 & 3u);
+    memcpy(bytes, frame.data + 4, n);
     *value = le32(bytes);
-    return true;
+    return n;
 }
 
 /* --- what is compared --- */
-
-enum kind {
-    CONSTANT,   /* it is what the model says */
-    CONFIGURED, /* so it is as delivered, but somebody may have changed it */
-    MEASURED,   /* any value is right */
-    POSITION    /* near to the model's */
-};
 
 /* Objects that are not constant: from, to, what they are. */
 static const struct {
@@ -157,6 +105,16 @@ static const struct {
     /* clang-format on */
 };
 
+enum kind verify_canopen_kind_of_object(uint16_t index)
+{
+    for (size_t i = 0; i < DG_COUNT(objects); i++) {
+        if (index >= objects[i].first && index <= objects[i].last) {
+            return objects[i].kind;
+        }
+    }
+    return CONSTANT;
+}
+
 /* What the data of an answer are: behind an upload those of an object, in a PDO measured. */
 static enum kind kind_of(const struct cf_unit *answer)
 {
@@ -166,13 +124,9 @@ static enum kind kind_of(const struct cf_unit *answer)
     if (pdo) {
         return MEASURED;
     }
-    const unsigned index = uploaded ? answer->bytes[1] | (unsigned)answer->bytes[2] << 8 : 0u;
-    for (size_t i = 0; uploaded && answer->bytes[3] + 1u > 0 && i < DG_COUNT(objects); i++) {
-        if (index >= objects[i].first && index <= objects[i].last) {
-            return objects[i].kind;
-        }
-    }
-    return CONSTANT;
+    return uploaded ? verify_canopen_kind_of_object(
+                          (uint16_t)(answer->bytes[1] | (unsigned)answer->bytes[2] << 8))
+                    : CONSTANT;
 }
 
 static bool same_form(const struct cf_unit *a, const struct cf_unit *b)
@@ -206,7 +160,7 @@ static bool is_as_delivered(const struct cf_answer *answer)
     return kind == MEASURED || kind == POSITION || is_serial(want) || same_data(want, &answer->got);
 }
 
-static bool is_near(const struct canopen *self, uint32_t a, uint32_t b)
+bool verify_canopen_is_near(const struct canopen *self, uint32_t a, uint32_t b)
 {
     const uint32_t up = a - b;
     return up <= self->moves || 0u - up <= self->moves;
@@ -229,7 +183,7 @@ static bool on_sent(void *ctx, const struct cf_unit *request, struct cf_report *
     if (frame.id == 0 && frame.dlc == 2 && frame.data[1] == ROW_NODE) {
         frame.data[1] = self->node;
     }
-    return send_frame(self, &frame, report);
+    return verify_canopen_send_frame(self, &frame, report);
 }
 
 static bool differ(struct canopen *self, const struct cf_unit *expected,
@@ -267,7 +221,8 @@ static bool judge(struct canopen *self, const struct cf_unit *expected,
     if (kind == MEASURED || same_data(expected, &got)) {
         return true;
     }
-    if (kind == POSITION && is_near(self, le32(got.bytes + 4), le32(expected->bytes + 4))) {
+    if (kind == POSITION &&
+        verify_canopen_is_near(self, le32(got.bytes + 4), le32(expected->bytes + 4))) {
         return true;
     }
     if (kind == CONFIGURED) {
@@ -287,13 +242,13 @@ static bool on_answered(void *ctx, const struct cf_answer *answer, struct cf_rep
     }
     const uint16_t id = move_id(answer->got.id, ROW_NODE, self->node);
     const dg_ns late = answer->latest_ns + self->jitter + HOST_ADDS;
-    const int result =
-        receive_id(self, id, self->since + (answer->timed ? late : ANSWER_MAX), &came, report);
+    const int result = verify_canopen_receive_id(
+        self, id, self->base.since + (answer->timed ? late : ANSWER_MAX), &came, report);
     if (result <= 0) {
         return result == 0 && differ(self, &answer->got, NULL, report);
     }
-    const dg_ns took = lx_real_now() - self->since;
-    self->since += took;
+    const dg_ns took = lx_real_now() - self->base.since;
+    self->base.since += took;
     if (answer->timed && took + self->jitter + HOST_ADDS < answer->earliest_ns) {
         return verify_fail(&self->base, VERIFY_DIFFERS, report, "%03Xh came after %llu us already",
                            (unsigned)came.id, (unsigned long long)took / 1000u);
@@ -306,8 +261,9 @@ static bool on_silent(void *ctx, uint64_t ns, struct cf_report *report)
     struct canopen *self = ctx;
     static const struct cf_unit nothing = {.bytes = NULL};
     struct dg_can_frame came;
-    const dg_ns wait = ns > SILENCE ? ns : SILENCE;
-    const int result = receive_id(self, 0, lx_real_now() + wait, &came, report);
+    const dg_ns wait = ns == 1u ? SETTLE : ns > SILENCE ? ns : SILENCE;
+    const uint16_t id = ns == 1u ? (uint16_t)(SDO_ANSWER + self->node) : 0; /* PDOs may go on */
+    const int result = verify_canopen_receive_id(self, id, lx_real_now() + wait, &came, report);
     return result == 0 || (result > 0 && differ(self, &nothing, &came, report));
 }
 
@@ -316,23 +272,7 @@ static bool on_waited(void *ctx, uint64_t ns, struct cf_report *report)
     struct canopen *self = ctx;
     (void)report;
     verify_stream_sleep(lx_real_now() + ns);
-    self->since = lx_real_now();
-    return true;
-}
-
-static bool on_powered(void *ctx, bool on, struct cf_report *report)
-{
-    struct canopen *self = ctx;
-    (void)on;
-    return verify_fail(&self->base, VERIFY_NOT_SEEN, report, "its supply cannot be cut");
-}
-
-/* What is not allowed is not run. */
-static bool on_needs(void *ctx, unsigned needs, struct cf_report *report)
-{
-    (void)ctx;
-    (void)needs;
-    (void)report;
+    self->base.since = lx_real_now();
     return true;
 }
 
@@ -341,26 +281,64 @@ static const struct cf_beside_ops beside_ops = {
     .answered = on_answered,
     .silent = on_silent,
     .waited = on_waited,
-    .powered = on_powered,
-    .needs = on_needs,
+    .powered = verify_powered,
+    .needs = verify_allowed,
 };
 
 /* --- rows --- */
 
 static void rehearse(struct verify_encoder *base, const struct cf_beside *beside, dg_ns slack)
 {
+    struct canopen *self = of(base);
     const struct cf_canopen_trial trial = {
-        .device = of(base)->device, .slack = slack, .beside = *beside};
+        .device = self->device, .slack = slack, .beside = *beside};
+    self->touched_count = 0;
     cf_canopen_try(&trial);
 }
 
-/* Downloads change the encoder; all but SDO and node guarding reaches others, or what they do. */
-static unsigned needs_of(const struct verify_encoder *base, const struct cf_unit *request)
+/* What one cannot write back: what stores or deletes, who the node is, and the preset, which moves
+   the offset and keeps its value. */
+static bool is_one_way(uint16_t index)
 {
-    (void)base;
+    static const uint16_t indices[] = {0x1003, 0x1010, 0x1011, 0x2100, 0x2101, 0x2102,
+                                       0x2105, 0x300A, 0x300B, 0x6003, 0x6509};
+    bool found = false;
+    for (size_t i = 0; i < DG_COUNT(indices); i++) {
+        found = found || indices[i] == index;
+    }
+    return found;
+}
+
+/* A download begins. @return what it needs */
+static unsigned touch(struct canopen *self, const struct cf_unit *request)
+{
+    const struct object object = {
+        .index = (uint16_t)(request->bytes[1] | (unsigned)request->bytes[2] << 8),
+        .sub = request->bytes[3],
+    };
+    bool known = false;
+    for (size_t i = 0; i < self->touched_count; i++) {
+        known =
+            known || (self->touched[i].index == object.index && self->touched[i].sub == object.sub);
+    }
+    if (!known && self->touched_count == TOUCHED_MAX) {
+        return CF_WRITE | CF_ONE_WAY;
+    }
+    if (!known) {
+        self->touched[self->touched_count++] = object;
+    }
+    return CF_WRITE | (is_one_way(object.index) ? CF_ONE_WAY : 0u);
+}
+
+/* Downloads change the encoder; all but SDO and node guarding reaches others, or what they do. */
+static unsigned needs_of(struct verify_encoder *base, const struct cf_unit *request)
+{
     if (request->id == SDO_REQUEST + ROW_NODE && !request->rtr && request->n > 0) {
         const unsigned command = request->bytes[0] >> 5;
-        return command == 0 || command == 1 || command == 6 ? CF_WRITE : 0u;
+        const bool initiate = command == 1 || command == 6;
+        return initiate && request->n > 3 ? touch(of(base), request)
+               : command == 0 || initiate ? CF_WRITE
+                                          : 0u;
     }
     if (request->id == 0x7E5u && request->n > 0 && request->bytes[0] >= 0x11u &&
         request->bytes[0] <= 0x17u) {
@@ -370,18 +348,18 @@ static unsigned needs_of(const struct verify_encoder *base, const struct cf_unit
 }
 
 /* No transfer is left of the row before, no answer is on its way; and somebody is there. */
-static bool settle(struct canopen *self, struct cf_report *report)
+bool verify_canopen_settle(struct canopen *self, struct cf_report *report)
 {
     const struct dg_can_frame abort = {
         .id = (uint16_t)(SDO_REQUEST + self->node), .dlc = 8, .data = {0x80}};
     struct dg_can_frame came;
     uint32_t value;
     for (unsigned i = 0; i < 3; i++) {
-        if (!send_frame(self, &abort, report) ||
-            receive_id(self, NOBODY, lx_real_now() + SETTLE, &came, report) < 0) {
+        if (!verify_canopen_send_frame(self, &abort, report) ||
+            verify_canopen_receive_id(self, NOBODY, lx_real_now() + SETTLE, &came, report) < 0) {
             return false;
         }
-        if (upload(self, 0x1000, 0, &value)) {
+        if (verify_canopen_upload(self, 0x1000, 0, &value) > 0) {
             return true;
         }
     }
@@ -392,11 +370,15 @@ static bool begin(struct verify_encoder *base, struct cf_report *report)
 {
     struct canopen *self = of(base);
     uint32_t value = 0;
-    if (!settle(self, report)) {
+    if (!verify_canopen_settle(self, report)) {
         return false;
     }
     base->outcome = VERIFY_AGREES;
-    self->trial.raw = upload(self, 0x2160, 0, &value) ? value : 0;
+    self->trial.raw = verify_canopen_upload(self, 0x2160, 0, &value) > 0 ? value : 0;
+    (void)verify_canopen_upload(self, 0x6004, 0, &self->position);
+    if (base->journal != NULL && !verify_canopen_note_touched(self, report)) {
+        return false;
+    }
     self->trial.device = self->device;
     self->trial.placed = true;
     self->trial.beside = (struct cf_beside){&beside_ops, self};
@@ -421,7 +403,7 @@ static bool end(struct verify_encoder *base, struct cf_report *report)
         leave(self);
     }
     const enum verify_outcome outcome = base->outcome;
-    const bool there = outcome != VERIFY_DIFFERS || settle(self, report);
+    const bool there = outcome != VERIFY_DIFFERS || verify_canopen_settle(self, report);
     base->outcome = there ? outcome : base->outcome;
     return there;
 }
@@ -440,15 +422,16 @@ static int identify(struct canopen *self, const char *where, struct lx_error *er
     uint32_t product = 0;
     uint32_t revision = 0;
     uint32_t firmware = 0;
-    bool answered = upload(self, 0x1000, 0, &type);
-    answered = answered || upload(self, 0x1000, 0, &type); /* the first one may have met a frame */
+    bool answered = verify_canopen_upload(self, 0x1000, 0, &type) > 0;
+    answered = answered || verify_canopen_upload(self, 0x1000, 0, &type) >
+                               0; /* the first may have met a frame */
     if (!answered) {
         return unanswered(self, where, error);
     }
-    (void)upload(self, 0x1018, 2, &product);
-    (void)upload(self, 0x1018, 3, &revision);
-    (void)upload(self, 0x1018, 4, &self->trial.serial);
-    (void)upload(self, 0x2103, 0, &firmware);
+    (void)verify_canopen_upload(self, 0x1018, 2, &product);
+    (void)verify_canopen_upload(self, 0x1018, 3, &revision);
+    (void)verify_canopen_upload(self, 0x1018, 4, &self->trial.serial);
+    (void)verify_canopen_upload(self, 0x2103, 0, &firmware);
     (void)snprintf(self->base.serial, sizeof self->base.serial, "%lu",
                    (unsigned long)self->trial.serial);
     (void)snprintf(self->base.identity, sizeof self->base.identity,
@@ -467,13 +450,13 @@ static int measure(struct canopen *self, const char *where, struct lx_error *err
     for (unsigned i = 0; i < READINGS; i++) {
         uint32_t now = 0;
         const dg_ns from = lx_real_now();
-        if (!upload(self, 0x6004, 0, &now)) {
+        if (verify_canopen_upload(self, 0x6004, 0, &now) == 0) {
             return unanswered(self, where, error);
         }
         const dg_ns took = lx_real_now() - from;
         shortest = took < shortest ? took : shortest;
         longest = took > longest ? took : longest;
-        while (i > 0 && !is_near(self, now, before) && self->moves <= MOVES_MAX) {
+        while (i > 0 && !verify_canopen_is_near(self, now, before) && self->moves <= MOVES_MAX) {
             self->moves++;
         }
         before = now;
@@ -540,7 +523,8 @@ static struct verify_encoder *open_encoder(const struct options *options, struct
     self->wire.fd = -1;
     if (take_node(self, options->node, error) != 0 ||
         verify_frames_open(&self->wire, options->wire->name, options->where, error) != 0 ||
-        identify(self, options->where, error) != 0 || measure(self, options->where, error) != 0) {
+        (!options->restore && (identify(self, options->where, error) != 0 ||
+                               measure(self, options->where, error) != 0))) {
         close_encoder(&self->base);
         return NULL;
     }
@@ -550,6 +534,8 @@ static struct verify_encoder *open_encoder(const struct options *options, struct
 const struct verify_protocol verify_canopen = {
     .stack = &dg_cia406_stack,
     .suites = {"canopen", "cia406"},
+    .writes =
+        "objects, by SDO: communication, TPDOs and their mapping, scaling, working areas, customer memory",
     .rows = cf_canopen,
     .open = open_encoder,
     .scan = scan,
@@ -557,5 +543,6 @@ const struct verify_protocol verify_canopen = {
     .needs = needs_of,
     .begin = begin,
     .end = end,
+    .put_back = verify_canopen_put_back,
     .close = close_encoder,
 };

@@ -16,54 +16,9 @@
 
 #include "drehgeber/bits.h"
 #include "drehgeber/devices.h"
-#include "hiperface_steps.h"
 #include "timer.h"
-#include "verify_parts.h"
+#include "verify_hiperface.h"
 #include "verify_stream.h"
-
-#define FRAME_MAX DG_HF_FRAME_MAX
-#define ADDRESS 0x40u
-/* Bits of a character, and of the pause that ends a frame and that a master keeps behind one. */
-#define CHARACTER_BITS 11u
-#define PAUSE_BITS 55u
-/* A frame is over when nothing has come for so long; adapters hand over what came in pieces. */
-#define IDLE DG_MS(40)
-/* The longest time of 5.1.2 that a reply may take, and what a host adds to it. */
-#define REPLY_MAX DG_MS(300)
-/* How long an answer that must not come is waited for: those that read take 30 ms at most. */
-#define SILENCE DG_MS(100)
-#define HOST_ADDS DG_MS(20)
-/* 52h is answered within 5 ms behind its pause. */
-#define SCAN_REPLY_MAX DG_MS(60)
-/* What is thrown away before somebody is said never to stop. */
-#define NOISE_MAX 2000u
-/* Readings from which the shaft's rest and the host's jitter are known. */
-#define READINGS 20u
-#define MOVES_MAX 64u
-#define STATUS_READS_MAX 8u
-
-struct frame {
-    uint8_t bytes[FRAME_MAX + 1u]; /* room to notice one too many */
-    size_t n;
-    dg_ns at; /* of its first byte */
-};
-
-struct hiperface {
-    struct verify_encoder base;
-    struct dg_hf_model model;
-    struct cf_hiperface_trial trial;
-    int fd;
-    dg_ns sent;  /* end of the last request, as the line has it */
-    dg_ns quiet; /* of the last byte in either direction */
-    dg_ns jitter;
-    uint32_t moves; /* counts between readings at rest */
-    struct frame request;
-};
-
-static struct hiperface *of(struct verify_encoder *base)
-{
-    return (struct hiperface *)base;
-}
 
 static dg_ns bits(uint64_t n)
 {
@@ -146,9 +101,32 @@ static bool ask(struct hiperface *self, uint8_t command, size_t length, struct f
            (to->bytes[1] & 0x7Fu) == command;
 }
 
-static uint32_t be32(const uint8_t *from)
+/* Ask up to three times: a host that is busy may have been late. */
+bool verify_hiperface_ask_again(struct hiperface *self, uint8_t command, size_t length,
+                                struct frame *to, struct cf_report *report)
 {
-    return (uint32_t)from[0] << 24 | (uint32_t)from[1] << 16 | (uint32_t)from[2] << 8 | from[3];
+    bool answered = false;
+    for (unsigned i = 0; !answered && i < 3; i++) {
+        answered = ask(self, command, length, to, report);
+    }
+    return answered;
+}
+
+/* Send `request`, with its check sum behind it. @return whether something has come that is no
+   error */
+bool verify_hiperface_command(struct hiperface *self, const uint8_t *request, size_t n,
+                              struct frame *to)
+{
+    struct cf_report report = {0};
+    uint8_t bytes[16] = {0};
+    to->n = 0;
+    for (size_t i = 0; i < n; i++) {
+        bytes[i] = request[i];
+        bytes[n] ^= request[i];
+    }
+    return drain(self) && send_frame(self, bytes, n + 1u, &report) &&
+           receive_frame(self, self->sent + REPLY_MAX, sizeof to->bytes, to, &report) &&
+           to->n >= 3 && (to->bytes[1] & 0x7Fu) != 0x50u;
 }
 
 /* --- what is compared --- */
@@ -192,7 +170,7 @@ static uint64_t range_of(const struct dg_hf_model *model)
 }
 
 /* Whether two positions are as near to each other as readings at rest. */
-static bool is_near(const struct hiperface *self, uint32_t a, uint32_t b)
+bool verify_hiperface_is_near(const struct hiperface *self, uint32_t a, uint32_t b)
 {
     const uint64_t range = range_of(&self->model);
     const uint64_t up = ((uint64_t)a + range - b % range) % range;
@@ -224,7 +202,7 @@ static bool is_right(const struct hiperface *self, const struct cf_unit *expecte
     (void)is_own(expected->bytes, expected->n, &position);
     if (position) {
         return memcmp(came->bytes, expected->bytes, 2) == 0 &&
-               is_near(self, be32(came->bytes + 2), be32(expected->bytes + 2));
+               verify_hiperface_is_near(self, be32(came->bytes + 2), be32(expected->bytes + 2));
     }
     if (is_measured(expected->bytes)) {
         return memcmp(came->bytes, expected->bytes, 3) == 0;
@@ -234,9 +212,56 @@ static bool is_right(const struct hiperface *self, const struct cf_unit *expecte
 
 /* --- beside the model --- */
 
+/* Requests that change what the encoder keeps, and the one that restarts it. */
+static unsigned needs_of(struct verify_encoder *base, const struct cf_unit *request)
+{
+    const struct hiperface *self = of(base);
+    static const uint8_t writes[] = {0x43, 0x47, 0x49, 0x4B, 0x4D, 0x4F, 0x53, 0x55, 0x57, 0x6A};
+    unsigned needs = request->n == 0 || request->bytes[0] == ADDRESS ? 0u : CF_ALONE;
+    const uint8_t command = request->n > 1 ? request->bytes[1] : 0;
+    for (size_t i = 0; request->n > 1 && i < sizeof writes; i++) {
+        needs |= command == writes[i] ? CF_WRITE : 0u;
+    }
+    if ((self->has_fields && (command == 0x4Bu || command == 0x4Du)) ||
+        (self->trial.counter > COUNTS_MAX && (command == 0x47u || command == 0x49u))) {
+        needs |= CF_ONE_WAY;
+    }
+    return needs;
+}
+
+/* What it was is noted before the first change of a row, the change before it is sent. */
+static bool note(struct hiperface *self, const struct cf_unit *request, struct cf_report *report)
+{
+    struct verify_journal *journal = self->base.journal;
+    const uint32_t p = (uint32_t)self->trial.raw;
+    const uint32_t c = self->trial.counter;
+    const uint8_t position[5] = {0x42, (uint8_t)(p >> 24), (uint8_t)(p >> 16), (uint8_t)(p >> 8),
+                                 (uint8_t)p};
+    const uint8_t counter[4] = {0x46, (uint8_t)(c >> 16), (uint8_t)(c >> 8), (uint8_t)c};
+    const uint8_t setting[2] = {0x52, self->setting};
+    const struct cf_unit before[] = {{.bytes = position, .n = sizeof position},
+                                     {.bytes = counter, .n = sizeof counter},
+                                     {.bytes = setting, .n = sizeof setting}};
+    bool noted = true;
+    if ((needs_of(&self->base, request) & CF_WRITE) == 0) {
+        return true;
+    }
+    const bool first = journal != NULL && journal->count == 0;
+    for (size_t i = 0; first && noted && i < DG_COUNT(before); i++) {
+        noted = verify_journal_add(journal, true, &before[i]);
+    }
+    return journal != NULL && noted && verify_journal_add(journal, false, request) &&
+                   verify_journal_sync(journal)
+               ? true
+               : verify_fail(&self->base, VERIFY_LOST, report, "the journal cannot be written");
+}
+
 static bool on_sent(void *ctx, const struct cf_unit *request, struct cf_report *report)
 {
     struct hiperface *self = ctx;
+    if (!note(self, request, report)) {
+        return false;
+    }
     uint8_t bytes[256];
     const long n = verify_stream_receive(self->fd, lx_real_now(), bytes, sizeof bytes);
     if (n != 0) {
@@ -302,7 +327,7 @@ static bool on_silent(void *ctx, uint64_t ns, struct cf_report *report)
     struct hiperface *self = ctx;
     static const struct cf_answer nothing = {.timed = false};
     struct frame came;
-    const dg_ns wait = ns == 0 ? SILENCE : ns;
+    const dg_ns wait = ns != 0 ? ns : self->base.journal != NULL ? REPLY_MAX : SILENCE;
     return receive_frame(self, lx_real_now() + wait, sizeof came.bytes, &came, report) &&
            (came.n == 0 || differ(self, &nothing, &came, report));
 }
@@ -315,29 +340,13 @@ static bool on_waited(void *ctx, uint64_t ns, struct cf_report *report)
     return true;
 }
 
-static bool on_powered(void *ctx, bool on, struct cf_report *report)
-{
-    struct hiperface *self = ctx;
-    (void)on;
-    return verify_fail(&self->base, VERIFY_NOT_SEEN, report, "its supply cannot be cut");
-}
-
-/* What is not allowed is not run. */
-static bool on_needs(void *ctx, unsigned needs, struct cf_report *report)
-{
-    (void)ctx;
-    (void)needs;
-    (void)report;
-    return true;
-}
-
 static const struct cf_beside_ops beside_ops = {
     .sent = on_sent,
     .answered = on_answered,
     .silent = on_silent,
     .waited = on_waited,
-    .powered = on_powered,
-    .needs = on_needs,
+    .powered = verify_powered,
+    .needs = verify_allowed,
 };
 
 /* --- rows --- */
@@ -354,18 +363,6 @@ static void rehearse(struct verify_encoder *base, const struct cf_beside *beside
     cf_hiperface_try(&trial);
 }
 
-/* Requests that change what the encoder keeps, and the one that restarts it. */
-static unsigned needs_of(const struct verify_encoder *base, const struct cf_unit *request)
-{
-    static const uint8_t writes[] = {0x43, 0x47, 0x49, 0x4B, 0x4D, 0x4F, 0x53, 0x55, 0x57, 0x6A};
-    unsigned needs = request->n == 0 || request->bytes[0] == ADDRESS ? 0u : CF_ALONE;
-    (void)base;
-    for (size_t i = 0; request->n > 1 && i < sizeof writes; i++) {
-        needs |= request->bytes[1] == writes[i] ? CF_WRITE : 0u;
-    }
-    return needs;
-}
-
 /* Where it is, what it has counted; nothing is on its stack of errors. */
 static bool begin(struct verify_encoder *base, struct cf_report *report)
 {
@@ -376,14 +373,15 @@ static bool begin(struct verify_encoder *base, struct cf_report *report)
             break;
         }
     }
-    if (!ask(self, 0x46, 6, &came, report)) {
+    if (!verify_hiperface_ask_again(self, 0x46, 6, &came, report)) {
         return verify_fail(base, VERIFY_LOST, report, "it does not answer 46h any more");
     }
     self->trial.counter =
         (uint32_t)came.bytes[2] << 16 | (uint32_t)came.bytes[3] << 8 | came.bytes[4];
-    if (!ask(self, 0x42, 7, &came, report)) {
+    if (!verify_hiperface_ask_again(self, 0x42, 7, &came, report)) {
         return verify_fail(base, VERIFY_LOST, report, "it does not answer 42h any more");
     }
+    base->outcome = VERIFY_AGREES;
     self->trial.raw = be32(came.bytes + 2);
     self->trial.model = &self->model;
     self->trial.placed = true;
@@ -401,11 +399,9 @@ static bool end(struct verify_encoder *base, struct cf_report *report)
         return true;
     }
     verify_stream_sleep(lx_real_now() + REPLY_MAX);
-    for (unsigned i = 0; i < 3; i++) {
-        if (ask(self, 0x42, 7, &came, report)) {
-            base->outcome = VERIFY_DIFFERS;
-            return true;
-        }
+    if (verify_hiperface_ask_again(self, 0x42, 7, &came, report)) {
+        base->outcome = VERIFY_DIFFERS;
+        return true;
     }
     return verify_fail(base, VERIFY_LOST, report, "it does not answer any more");
 }
@@ -433,6 +429,7 @@ static int identify(struct hiperface *self, const char *where, struct lx_error *
     if (!ask(self, 0x56, 40, &made, &report)) {
         return unanswered(where, error);
     }
+    self->setting = type.bytes[2];
     (void)snprintf(self->model.serial, sizeof self->model.serial, "%.9s",
                    (const char *)made.bytes + 2);
     (void)snprintf(self->model.version, sizeof self->model.version, "%.19s",
@@ -454,6 +451,7 @@ static int measure(struct hiperface *self, const char *where, struct lx_error *e
     dg_ns shortest = DG_NEVER;
     dg_ns longest = 0;
     uint32_t before = 0;
+    self->moves = 0;
     for (size_t i = 0; i < READINGS; i++) {
         if (!ask(self, 0x42, 7, &came, &report)) {
             return unanswered(where, error);
@@ -462,7 +460,7 @@ static int measure(struct hiperface *self, const char *where, struct lx_error *e
         const uint32_t now = be32(came.bytes + 2);
         shortest = took < shortest ? took : shortest;
         longest = took > longest ? took : longest;
-        while (i > 0 && !is_near(self, now, before) && self->moves <= MOVES_MAX) {
+        while (i > 0 && !verify_hiperface_is_near(self, now, before) && self->moves <= MOVES_MAX) {
             self->moves++;
         }
         before = now;
@@ -470,6 +468,8 @@ static int measure(struct hiperface *self, const char *where, struct lx_error *e
     if (self->moves > MOVES_MAX) {
         return lx_refuse(error, "right is a shaft at rest", "%s: the shaft turns", where);
     }
+    static const uint8_t field[] = {ADDRESS, 0x4C, 0x00};
+    self->has_fields = verify_hiperface_command(self, field, sizeof field, &came);
     self->moves = 2u * self->moves + 1u;
     self->jitter = longest - shortest;
     return 0;
@@ -518,10 +518,11 @@ static struct verify_encoder *open_encoder(const struct options *options, struct
     }
     self->model = *dg_hf_model_of(options->device);
     self->trial.temperature_mdegc = 37000;
+    self->moves = MOVES_MAX;
     self->quiet = lx_real_now();
     self->fd = verify_stream_open(options->where, &uart, error);
-    if (self->fd < 0 || identify(self, options->where, error) != 0 ||
-        measure(self, options->where, error) != 0) {
+    if (self->fd < 0 || (!options->restore && (identify(self, options->where, error) != 0 ||
+                                               measure(self, options->where, error) != 0))) {
         close_encoder(&self->base);
         return NULL;
     }
@@ -531,6 +532,7 @@ static struct verify_encoder *open_encoder(const struct options *options, struct
 const struct verify_protocol verify_hiperface = {
     .stack = &dg_hf_stack,
     .suites = {"hiperface"},
+    .writes = "position and counter, data fields, access codes, address, setting of the line",
     .rows = cf_hiperface,
     .open = open_encoder,
     .scan = scan,
@@ -538,5 +540,6 @@ const struct verify_protocol verify_hiperface = {
     .needs = needs_of,
     .begin = begin,
     .end = end,
+    .put_back = verify_hiperface_put_back,
     .close = close_encoder,
 };

@@ -13,11 +13,16 @@
 #include "error.h"
 #include "options.h"
 #include "rows.h"
+#include "verify_journal.h"
 
 /* Most lists of clauses that a protocol has. */
 #define VERIFY_SUITES_MAX 2u
 /* What a wait of a host may take longer. */
 #define VERIFY_SLACK DG_MS(50)
+/* How long an encoder may take to be there behind power-on. */
+#define VERIFY_START DG_MS(500)
+/* How long a row may wait. */
+#define VERIFY_ROW_MAX DG_S(10)
 /* How long others on the wire are looked for. */
 #define VERIFY_SCAN DG_S(5)
 /* Longest text about a row. */
@@ -36,9 +41,14 @@ struct verify_protocol;
 /* A real encoder on its wire; the first member of a protocol's own struct. */
 struct verify_encoder {
     const struct verify_protocol *protocol;
-    char identity[160];          /* type and firmware, as it says itself */
-    char serial[48];             /* serial number, likewise */
-    enum verify_outcome outcome; /* of the row that runs, when its steps have failed */
+    char identity[160];             /* type and firmware, as it says itself */
+    char serial[48];                /* serial number, likewise */
+    enum verify_outcome outcome;    /* of the row that runs, when its steps have failed */
+    struct verify_journal *journal; /* for what is changed; NULL: nothing may be */
+    dg_ns since;                    /* the last step of the row that runs, when that counts */
+    bool off;                       /* its supply is cut */
+    bool declined;                  /* the user does not want to switch it */
+    const char *power; /* cuts the supply, with "on" or "off" behind it; NULL: the user does */
 };
 
 /* What verifies encoders of a protocol. */
@@ -46,7 +56,9 @@ struct verify_protocol {
     const struct dg_stack *stack;
     const char *suites[VERIFY_SUITES_MAX]; /* names of lists of clauses; NULL: no more */
     const struct cf_device *(*rows)(void);
-    /* Open the wire, find the encoder and ask what it is. NULL with `error`. To be closed. */
+    const char *writes; /* what it may write, in words */
+    /* Open the wire, find the encoder and ask what it is; with options->restore only the wire is
+       opened. NULL with `error`. To be closed. */
     struct verify_encoder *(*open)(const struct options *options, struct lx_error *error);
     /* Look for others on the wire for VERIFY_SCAN, with nothing that they obey. 0, or -1 with
        `error`: somebody is there. */
@@ -55,13 +67,15 @@ struct verify_protocol {
        `slack` longer. */
     void (*rehearse)(struct verify_encoder *self, const struct cf_beside *beside, dg_ns slack);
     /* What the request needs, bits of enum cf_need. */
-    unsigned (*needs)(const struct verify_encoder *self, const struct cf_unit *request);
+    unsigned (*needs)(struct verify_encoder *self, const struct cf_unit *request);
     /* Find out where the encoder is, and run rows for it from now on. False: it is lost, as
        `report` says. */
     bool (*begin)(struct verify_encoder *self, struct cf_report *report);
     /* After a row: the encoder is as before it, and answers. False: it is lost, as `report` says.
      */
     bool (*end)(struct verify_encoder *self, struct cf_report *report);
+    /* Put back what the notes of the journal say. False: it could not be done, as `report` says. */
+    bool (*put_back)(struct verify_encoder *self, struct cf_report *report);
     void (*close)(struct verify_encoder *self);
 };
 
@@ -70,6 +84,12 @@ extern const struct verify_protocol verify_hiperface, verify_canopen;
 /* cf_fail(), and `outcome` is what became of the row. */
 bool verify_fail(struct verify_encoder *self, enum verify_outcome outcome, struct cf_report *report,
                  const char *format, ...) __attribute__((format(printf, 4, 5)));
+
+/* Operations of struct cf_beside_ops that are the same for all; `encoder` is a struct verify_encoder.
+   Cut the supply, or switch it on and wait until the encoder is there. */
+bool verify_powered(void *encoder, bool on, struct cf_report *report);
+/* A row whose needs are not allowed is not run. */
+bool verify_allowed(void *encoder, unsigned wanted, struct cf_report *report);
 
 /* " 40 42 02", or "nothing". @return its length */
 size_t verify_print_unit(const struct cf_unit *unit, char *to, size_t size);

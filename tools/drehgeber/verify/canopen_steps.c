@@ -224,7 +224,7 @@ static const struct dg_can_frame *next_frame(const struct canopen_bench *b)
     return b->seen < b->sent_count && b->seen < CANOPEN_QUEUE_MAX ? &b->sent[b->seen] : NULL;
 }
 
-static bool expect_nothing(struct canopen_bench *b, dg_ns wait, struct cf_report *report)
+static bool keep_silent(struct canopen_bench *b, dg_ns wait, struct cf_report *report)
 {
     dg_ns from = b->now;
     char got[64];
@@ -240,7 +240,13 @@ static bool expect_nothing(struct canopen_bench *b, dg_ns wait, struct cf_report
         return cf_fail(report, "expected nothing, got %s after %llu ns", got,
                        (unsigned long long)(b->now - from));
     }
-    return !is_beside() || trial.beside.ops->silent(trial.beside.ctx, wait > 0 ? wait : 1, report);
+    return true;
+}
+
+static bool expect_nothing(struct canopen_bench *b, dg_ns wait, struct cf_report *report)
+{
+    return keep_silent(b, wait, report) &&
+           (!is_beside() || trial.beside.ops->silent(trial.beside.ctx, wait, report));
 }
 
 /* The next frame of the model, and what the row expects of it; both may be what the other is not.
@@ -502,7 +508,9 @@ static bool step_given(void *ctx, char **words, size_t n, struct cf_report *repo
     if (dg_co_format(b->model.device, cf_memory_port(&b->nvm), serial) != 0) {
         return cf_fail(report, "given: the memory cannot be formatted");
     }
-    if (keep && is_beside() && !trial.beside.ops->needs(trial.beside.ctx, CF_POWER, report)) {
+    if (keep && is_beside() &&
+        (!trial.beside.ops->powered(trial.beside.ctx, false, report) ||
+         !trial.beside.ops->powered(trial.beside.ctx, true, report))) {
         return false;
     }
     b->ready = power_on(b, report);
@@ -661,7 +669,8 @@ static void begin(void *ctx)
 
 static bool finish(void *ctx, struct cf_report *report)
 {
-    return expect_nothing(ctx, 0, report);
+    return keep_silent(ctx, 0, report) &&
+           (!is_beside() || trial.beside.ops->silent(trial.beside.ctx, 1, report));
 }
 
 const struct cf_device *cf_canopen(void)

@@ -1,0 +1,155 @@
+# SPDX-License-Identifier: MIT
+"""`drehgeber verify --write`: what was changed when the command was killed is put back by --restore; what cannot be put back is
+not done; the supply is cut by a program or by the user."""
+import os
+import pty
+import random
+import subprocess
+
+import pytest
+
+from rig import run_refused
+from verified import LIMIT_S, MODELS, WIRES, Between, Crowd, command, cut, results, state, verify
+
+SEED = 20261123
+HIPERFACE_WRITES = {0x43, 0x47, 0x49, 0x4D, 0x4F, 0x55, 0x57}
+
+
+@pytest.fixture(scope="module")
+def crowd(tmp_path_factory):
+    crowd = Crowd(tmp_path_factory.mktemp("encoders"))
+    yield crowd
+    # rows give two services one CAN-ID, as a master may
+    assert [line for line in crowd.end() if "two services of this node" not in line] == []
+
+
+def is_write(model: str, request: bytes) -> bool:
+    if model == "f3668":
+        return any(line[:5] == b"t63F8" and line[5:6] in b"23CD" for line in request.split(b"\r"))
+    return len(request) > 1 and request[1] in HIPERFACE_WRITES
+
+
+# --- killed ---------------------------------------------------------------------------------------
+
+class Killer:
+    """Kill the command at its write number `at`, before or after the encoder gets it."""
+
+    def __init__(self, model: str, at: int, before: bool):
+        self.model, self.left, self.before = model, at, before
+        self.process = None
+        self.done = False
+
+    def hear(self, request: bytes) -> bool:
+        if is_write(self.model, request):
+            self.left -= 1
+            if self.left == 0:
+                self.process.kill()
+                self.done = True
+                return not self.before
+        return not self.done
+
+
+@pytest.mark.parametrize("model", MODELS)
+def test_a_killed_run_is_restored(crowd, model):
+    def ask(folder, words, at, before):
+        was = state(model, folder)
+        options = ["--write", "--journal", folder / "journal"]
+        killer = Killer(model, at, before)
+        with Between(folder / "link", ends=WIRES[model][3], hear=killer.hear) as wire:
+            killer.process = subprocess.Popen(command(model, wire.path, *options, *words), stdin=subprocess.DEVNULL,
+                                              stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+            killer.process.communicate(timeout=LIMIT_S)
+        if killer.left > 0:
+            return 0  # it has fewer writes
+        assert killer.process.returncode == -9
+        assert (folder / "journal").read_bytes().startswith(b"of " + model.encode() + b"\n")
+        refused = verify(model, folder / "link", *options, status=1)
+        assert refused.stdout == "" and refused.stderr.count("\n") == 1 and "--restore puts it back" in refused.stderr
+        restored = verify(model, folder / "link", "--restore", "--journal", folder / "journal")
+        assert restored.stdout == "the encoder is as it was\n" and (folder / "journal").read_bytes() == b""
+        assert state(model, folder) == was
+        return 1
+
+    draw = random.Random(SEED)
+    running = [crowd.pool.submit(ask, crowd.begin(f"kill.{model}.{part}", model), words, draw.randint(1, 6), part % 2 == 0)
+               for part, words in enumerate(cut(model))]
+    assert sum(one.result() for one in running) >= 3
+
+
+def test_one_that_dies_changed_is_restored_later(crowd):
+    folder = crowd.begin("dies", "s3684-rs485")
+    before, journal, dead = state("s3684-rs485", folder), folder / "journal", []
+
+    def die(request, answer):
+        if dead or (len(request) > 1 and request[1] == 0x43):
+            dead.append(request)
+        return None if dead else answer
+
+    arguments = ["5.1.2.2-9", "--write", "--journal", journal]
+    with Between(folder / "link", die) as wire:
+        ended = verify("s3684-rs485", wire.path, *arguments, status=1)
+    assert "was left changed" in ended.stdout and "--restore" in ended.stdout
+    assert journal.read_bytes().count(b"\n") >= 4
+    other = verify("f3668", folder / "link", "--restore", "--journal", journal, status=1)
+    assert "not of a f3668" in other.stderr
+    restored = verify("s3684-rs485", folder / "link", "--restore", "--journal", journal)
+    assert restored.stdout == "the encoder is as it was\n" and state("s3684-rs485", folder) == before
+    again = verify("s3684-rs485", folder / "link", "--restore", "--journal", journal)
+    assert again.stdout == "nothing is left to put back\n"
+
+
+# --- what is allowed ------------------------------------------------------------------------------
+
+def test_what_cannot_be_undone_needs_more(crowd):
+    folder = crowd.begin("one_way", "f3668")
+    ended = verify("f3668", folder / "link", "--write", "--journal", folder / "journal", "--json", "M8-3")
+    found = results(ended).values()
+    assert any(result == "not seen" and "(--irreversible)" in why for result, why in found)
+
+
+@pytest.mark.parametrize("option", [["--journal", "x"], ["--irreversible"]])
+def test_without_write_nothing_is_changed(tmp_path, option, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert "--write" in run_refused(2, "verify", "s3684-rs485", "--tty=/dev/null", *option)
+    assert list(tmp_path.iterdir()) == []
+
+
+# --- the supply -----------------------------------------------------------------------------------
+
+NEEDS_POWER = "5.1.2.19-1"
+
+
+def test_a_relay_that_fails_is_told(crowd):
+    folder = crowd.begin("relay", "s3684-rs485")
+    ended = verify("s3684-rs485", folder / "link", "--write", "--journal", folder / "journal", "--power", "false", NEEDS_POWER,
+                   status=1)
+    assert "'false off' has failed" in ended.stdout
+
+
+@pytest.mark.parametrize("willing", [True, False])
+def test_the_user_is_asked_on_a_terminal(crowd, willing):
+    folder = crowd.begin(f"user.{willing}", "s3684-rs485")
+    near, far = pty.openpty()
+    words = [NEEDS_POWER, "--write", "--journal", folder / "journal"]
+    process = subprocess.Popen(command("s3684-rs485", folder / "link", *words),
+                               stdin=far, stderr=far, stdout=subprocess.PIPE, text=True)
+    os.close(far)
+    said, questions = b"", 0
+    while process.poll() is None and questions < 20:
+        try:
+            said += os.read(near, 4096)
+        except OSError:
+            break  # it has ended
+        if b"press Enter. " in said:
+            questions += 1
+            if willing:
+                subprocess.run([folder / "relay", "on" if b"encoder on" in said else "off"], check=True)
+            os.write(near, b"\n" if willing else b"n\n")
+            said = b""
+    out = process.communicate(timeout=LIMIT_S)[0]
+    os.close(near)
+    assert process.returncode == 0
+    if willing:
+        assert f"agrees   {NEEDS_POWER}" in out and questions >= 2 and questions % 2 == 0
+    else:
+        assert f"not seen {NEEDS_POWER}: " in out and "not switched" in out and questions == 1

@@ -1,0 +1,100 @@
+/* SPDX-License-Identifier: MIT */
+/* A real CANopen encoder (verify_canopen.c), and how it is put back (verify_canopen_back.c). */
+#ifndef DREHGEBER_TOOL_VERIFY_CANOPEN_H
+#define DREHGEBER_TOOL_VERIFY_CANOPEN_H
+
+#include "canopen_steps.h"
+#include "verify_frames.h"
+#include "verify_parts.h"
+
+/* Whom the rows talk to. */
+#define ROW_NODE 0x3Fu
+/* How long an SDO server may take; the manual has no limit. */
+#define ANSWER_MAX DG_S(1)
+/* What a host adds to a moment, beside its measured jitter. */
+#define HOST_ADDS DG_MS(20)
+/* How long something that must not come is waited for. */
+#define SILENCE DG_MS(20)
+#define READINGS 20u
+#define MOVES_MAX 64u
+/* Frames that are looked at for one of the node: a bus may be busy, and a babbling one is left. */
+#define FRAMES_MAX 4000u
+/* Most objects that a row writes. */
+#define TOUCHED_MAX 40u
+#define TPDOS 4u
+
+#define SDO_REQUEST 0x600u
+/* Of a COB-ID: nothing is sent with it. */
+#define OFF 0x80000000u
+#define SDO_ANSWER 0x580u
+/* An identifier that no frame has. */
+#define NOBODY 0xFFFFu
+/* How long an answer to what was before may be on its way. */
+#define SETTLE DG_MS(5)
+#define GUARDING (0x700u + ROW_NODE)
+
+/* An object, and what it was. */
+struct object {
+    uint16_t index;
+    uint8_t sub;
+};
+
+struct canopen {
+    struct verify_encoder base;
+    struct cf_canopen_trial trial;
+    struct verify_frames wire;
+    const struct dg_device *device;
+    uint8_t node;
+    bool alone;
+    dg_ns jitter;
+    uint32_t moves;
+    uint32_t position;                  /* of 6004h, before the row */
+    struct object touched[TOUCHED_MAX]; /* what the row that was rehearsed last writes */
+    size_t touched_count;
+    struct dg_can_frame request;
+};
+
+/* What an object or the data of an answer are. */
+enum kind {
+    CONSTANT,   /* it is what the model says */
+    CONFIGURED, /* so it is as delivered, but somebody may have changed it */
+    MEASURED,   /* any value is right */
+    POSITION    /* near to the model's */
+};
+
+static inline struct canopen *of(struct verify_encoder *base)
+{
+    return (struct canopen *)base;
+}
+
+static inline uint32_t le32(const uint8_t *from)
+{
+    return (uint32_t)from[3] << 24 | (uint32_t)from[2] << 16 | (uint32_t)from[1] << 8 | from[0];
+}
+
+/* Send it; `report` says why not. */
+bool verify_canopen_send_frame(struct canopen *self, const struct dg_can_frame *frame,
+                               struct cf_report *report);
+
+/* The next frame with this identifier, 0: that answers something. @return 1, 0: none came, -1:
+   lost, as `report` says */
+int verify_canopen_receive_id(struct canopen *self, uint16_t id, dg_ns until,
+                              struct dg_can_frame *to, struct cf_report *report);
+
+/* Upload an object of at most four bytes. @return how many, 0: it was not answered so */
+size_t verify_canopen_upload(struct canopen *self, uint16_t index, uint8_t sub, uint32_t *value);
+
+/* No transfer is left of the row before, no answer is on its way; and somebody is there. */
+bool verify_canopen_settle(struct canopen *self, struct cf_report *report);
+
+bool verify_canopen_is_near(const struct canopen *self, uint32_t a, uint32_t b);
+
+enum kind verify_canopen_kind_of_object(uint16_t index);
+
+/* Note everything that the row will write, before it writes any of it. */
+bool verify_canopen_note_touched(struct canopen *self, struct cf_report *report);
+
+/* See verify_parts.h. */
+bool verify_canopen_put_back(struct verify_encoder *base, struct cf_report *report);
+
+#endif
