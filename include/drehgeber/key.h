@@ -77,7 +77,7 @@ DG_API int dg_key_get(const struct dg_key *self, const void *base, char *to, siz
 
 /** Append the values it takes: "0..24", "4 to 8 characters", "none, even or odd". */
 DG_API void dg_key_say_range(const struct dg_key *self, struct dg_text *to);
-/** Append what would be right in place of a value that is not: "a number in 0..24 is right". */
+/** Append what was expected in place of a value that is refused: "expected a number in 0..24". */
 DG_API void dg_key_say_right(const struct dg_key *self, struct dg_text *to);
 
 #ifdef __cplusplus

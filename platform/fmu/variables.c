@@ -41,7 +41,7 @@ static const struct fixed_row behind[] = {
     {MASTER, FMU_OUTPUT, FMU_FRAME,          FMU_INT,    false, false, "frame",            "",  "", "bits of the last frame behind start bit and CDS, right-aligned"},
     {MASTER, FMU_OUTPUT, FMU_FRAME_BITS,     FMU_INT,    false, false, "frame.bits",       "",  "", "how many they are; 0: there was none"},
     {MASTER, FMU_OUTPUT, FMU_FRAME_POSITION, FMU_INT,    false, false, "frame.position",   "",  "", "multiturn and singleturn of that frame, binary"},
-    {MASTER, FMU_OUTPUT, FMU_FRAME_GOOD,     FMU_BOOL,   false, false, "frame.good",       "",  "", "its check sum or parity is right"},
+    {MASTER, FMU_OUTPUT, FMU_FRAME_GOOD,     FMU_BOOL,   false, false, "frame.good",       "",  "", "its check sum or parity fits"},
     {MASTER, FMU_OUTPUT, FMU_NERR,           FMU_BOOL,   false, false, "nERR",             "",  "", "false: that frame tells an error"},
     {MASTER, FMU_OUTPUT, FMU_NWARN,          FMU_BOOL,   false, false, "nWARN",            "",  "", "false: that frame tells a warning (BiSS)"},
     {CAN,    FMU_OUTPUT, FMU_ERROR_CODE,     FMU_INT,    false, false, "error.code",       "",  "", "of the last EMCY; 0: none"},

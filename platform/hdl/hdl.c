@@ -93,7 +93,7 @@ static int set_one(struct dg_hdl *self, struct dg_host *host, const char *name, 
     } else {
         describe(host, name, &right);
     }
-    return hdl_fail(self, result, "%s=%s: %s is right", name, value, right.text);
+    return hdl_fail(self, result, "%s=%s: expected %s", name, value, right.text);
 }
 
 /* Words KEY=VALUE. */
@@ -182,7 +182,7 @@ static int choose_wire(struct dg_hdl *self)
     /* A UART in hardware needs the data rate of its encoder. */
     if (!known ||
         (wires[medium] == &hdl_serial && dg_host_uart(self->host, &uart) == DG_HOST_ERR_WIRE)) {
-        return hdl_fail(self, DG_HOST_ERR_WIRE, "%s speaks %s; BiSS, SSI and RS485 are right",
+        return hdl_fail(self, DG_HOST_ERR_WIRE, "%s speaks %s; expected BiSS, SSI or RS485",
                         dg_host_model(self->host), dg_host_protocol(self->host));
     }
     self->wire = wires[medium];

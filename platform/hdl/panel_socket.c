@@ -47,7 +47,7 @@ int hdl_control_open(struct dg_hdl *self)
     }
     if (strncmp(where, PREFIX, strlen(PREFIX)) != 0 || path[0] == '\0' ||
         strlen(path) >= LX_UNIX_PATH_SIZE) {
-        return hdl_fail(self, DG_HOST_ERR_ARGUMENT, "control=%s: unix:PATH is right", where);
+        return hdl_fail(self, DG_HOST_ERR_ARGUMENT, "control=%s: expected unix:PATH", where);
     }
     self->control = calloc(1, sizeof *self->control);
     if (self->control == NULL) {

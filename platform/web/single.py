@@ -27,7 +27,7 @@ def script(folder: Path) -> str:
 def replaced(page: str, what: str, by: str) -> str:
     """Exactly one of them."""
     if page.count(what) != 1:
-        sys.exit(f"single.py: index.html has {page.count(what)} of {what}; right is 1")
+        sys.exit(f"single.py: index.html has {page.count(what)} of {what}; expected 1")
     return page.replace(what, by)
 
 

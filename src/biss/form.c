@@ -139,7 +139,7 @@ const char *dg_biss_form_settle(const struct dg_biss_model *model, struct dg_bis
         return "L in the frame and lc = 1, or neither";
     }
     if (form->crc_start >> crc_bits(form) != 0) {
-        return "crc_start with as many bits as crc_poly has behind its first one, or fewer";
+        return "crc_start with at most as many bits as crc_poly has after its first 1";
     }
     form->around = (uint8_t)(dg_form_pack(&parts.form, '\0').count - turns_and_counts(model));
     return NULL;

@@ -120,7 +120,7 @@ static const struct dg_fault_row faults[] = {
     {"wire_drop",           DG_FAULT_ON_WIRE(DROP),                                   0, "a bridge loses frames to the master", "what the node sends does not arrive", "CiA 301"},
     {"wire_deaf",           DG_FAULT_ON_WIRE(DEAF),                                   0, "a bridge loses frames from the master", "what the master sends does not arrive", "CiA 301"},
     {"wire_delay",          DG_FAULT_ON_WIRE(DELAY),                 (int64_t)DG_MS(50), "the bus is overloaded", "what the node sends comes 50 ms late", "CiA 301"},
-    {"wire_damage",         DG_FAULT_ON_WIRE(DAMAGE),                                 0, "a bridge with a faulty memory", "one data bit is flipped and the CRC is right: a frame that is valid and wrong", "CiA 301"},
+    {"wire_damage",         DG_FAULT_ON_WIRE(DAMAGE),                                 0, "a bridge with a faulty memory", "one data bit is flipped and the CRC fits: a frame that is valid and wrong", "CiA 301"},
     {"wire_duplicate",      DG_FAULT_ON_WIRE(DUPLICATE),                              0, "a disturbance in the last bit: the controller repeats what was received already", "what the node sends comes twice", "CiA 301"},
     {"bus_off",             DG_FAULT_ON_WIRE(BUS_OFF),                                0, "the bus is short-circuited", "silence, 1029h:1 at once, error LED on; EMCY 8140h when it is over", "15, 29; CANopen no. 1"},
     {"error_passive",       DG_FAULT_ON_WIRE(PASSIVE),                                0, "many damaged frames", "EMCY 8120h, 1001h 11h", "15"},

@@ -56,12 +56,11 @@ void dg_key_say_right(const struct dg_key *self, struct dg_text *to)
 {
     const bool number = !is_text(self) && !is_word(self);
 
-    dg_text_add(to, number ? "a number in " : "");
+    dg_text_add(to, number ? "expected a number in " : "expected ");
     dg_key_say_range(self, to);
     if (number && self->places > 0) {
         dg_text_add(to, " with at most ");
         dg_text_add_number(to, self->places);
         dg_text_add(to, " decimals");
     }
-    dg_text_add(to, is_text(self) ? " are right" : " is right");
 }

@@ -39,7 +39,7 @@ static int find_motion(const struct dg_engine *self, size_t index, struct dg_mot
         return dg_motion_read(to, text, error);
     }
     return self->setup.motion != NULL ? self->setup.motion(self->setup.ctx, index, text, to, error)
-                                      : dg_plan_refuse(error, RIG_SAY("a motion in words is right"),
+                                      : dg_plan_refuse(error, RIG_SAY("expected a motion in words"),
                                                        RIG_SAY(text, ": there are no files here"));
 }
 
@@ -236,8 +236,8 @@ static int refuse_place(const struct dg_engine *self, size_t index, struct dg_pl
 
     if (place > 0 && self->setup.plan->wires[row->wire].stack == row->model->stack) {
         (void)dg_plan_refuse(error, NULL,
-                             RIG_SAY("this wire is full: at most ", dg_plan_number(place).text,
-                                     " encoders is right"));
+                             RIG_SAY("this wire is full: expected at most ",
+                                     dg_plan_number(place).text, " encoders"));
     } else {
         (void)dg_plan_refuse(error, NULL, RIG_SAY(row->model->name, " cannot be on this wire"));
     }
@@ -357,7 +357,7 @@ struct dg_engine *dg_engine_make(void *memory, size_t size, const struct dg_engi
         return NULL;
     }
     if (memory == NULL || size < needed || (uintptr_t)memory % DG_HOST_ALIGN != 0) {
-        (void)dg_plan_refuse(error, RIG_SAY(dg_plan_number(needed).text, " bytes are right"),
+        (void)dg_plan_refuse(error, RIG_SAY("expected ", dg_plan_number(needed).text, " bytes"),
                              RIG_SAY("no memory for a rig"));
         return NULL;
     }

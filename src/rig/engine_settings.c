@@ -35,7 +35,7 @@ const struct dg_engine_end dg_engine_end_usual = {.pace = true};
 
 /* ---------------------------------------------------------------- a value */
 
-/* "a number in 1..127 is right" */
+/* "expected a number in 1..127" */
 static int set_value(const struct dg_key *row, void *base, const char *value,
                      struct dg_plan_error *error)
 {
@@ -211,7 +211,7 @@ static int check_course(const struct dg_engine *self, const char *text, struct d
     const int result = dg_course_read(text, &words, error);
     return result != 0 || self->setup.course != NULL
                ? result
-               : dg_plan_refuse(error, RIG_SAY("a value is right"),
+               : dg_plan_refuse(error, RIG_SAY("expected a value"),
                                 RIG_SAY("there are no files here"));
 }
 

@@ -88,14 +88,14 @@ static int check_where(const char *text, size_t n, struct dg_plan_error *error)
 
     if (path > PATH_MAX) {
         return dg_plan_refuse(error, NULL,
-                              RIG_SAY(where.text, ": a path of at most ",
-                                      dg_plan_number(PATH_MAX).text, " characters is right"));
+                              RIG_SAY(where.text, ": expected a path of at most ",
+                                      dg_plan_number(PATH_MAX).text, " characters"));
     }
     if (path > 0 || (host > 0 && is_host_port(text + n - host, host))) {
         return 0;
     }
     return dg_plan_refuse(error, NULL,
-                          RIG_SAY(where.text, ": unix:PATH or tcp:HOST:PORT is right"));
+                          RIG_SAY(where.text, ": expected unix:PATH or tcp:HOST:PORT"));
 }
 
 int dg_access_read(const char *text, struct dg_access_words *to, struct dg_plan_error *error)
@@ -106,7 +106,7 @@ int dg_access_read(const char *text, struct dg_access_words *to, struct dg_plan_
     if (n > ADDRESS_MAX || !take_words(text + n, to)) {
         (void)dg_plan_refuse(
             error, NULL,
-            RIG_SAY(text, ": ADDRESS, ADDRESS,open, ADDRESS,token=FILE or both is right"));
+            RIG_SAY(text, ": expected ADDRESS, ADDRESS,open, ADDRESS,token=FILE or both"));
         return DG_ERR_ARGUMENT;
     }
     if (check_where(text, n, error) != 0) {

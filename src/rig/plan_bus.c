@@ -14,7 +14,7 @@ const struct dg_plan_wire_kind *dg_plan_take_kind(struct rig_reader *in,
         dg_plan_list_item(&names, dg_plan_wires[i].name, i, dg_plan_wire_count);
     }
     if (kind == NULL) {
-        (void)dg_plan_wrong_word(in, word, RIG_SAY(names.room, " are right"),
+        (void)dg_plan_wrong_word(in, word, RIG_SAY("expected ", names.room),
                                  RIG_SAY(name.text, " is no kind of wire"));
     }
     return kind;
@@ -31,12 +31,12 @@ static int check_where(struct rig_reader *in, const struct rig_section *self,
                        const struct dg_plan_wire_kind *kind, const struct rig_where *where)
 {
     if (where->text != NULL && kind->where == NULL) {
-        (void)dg_plan_refuse(in->error, RIG_SAY("none is right"),
+        (void)dg_plan_refuse(in->error, RIG_SAY("expected no address"),
                              RIG_SAY(kind->name, " has no address"));
         return refuse_where(in, self, where);
     }
     if (where->text == NULL && kind->where_needed) {
-        (void)dg_plan_refuse(in->error, RIG_SAY(kind->where, " is right"),
+        (void)dg_plan_refuse(in->error, RIG_SAY("expected ", kind->where),
                              RIG_SAY(kind->name, " needs an address"));
         return refuse_where(in, self, where);
     }
@@ -84,9 +84,9 @@ static int refuse_place(struct rig_reader *in, const struct rig_section *self,
 
     (void)dg_plan_refuse(
         in->error,
-        both ? RIG_SAY("another address, or [bus NAME] with wire = ", a->kind->name,
-                       " and address = ", a->where, ", and bus = NAME in both encoders, is right")
-             : RIG_SAY("another address is right"),
+        both ? RIG_SAY("expected another address, or [bus NAME] with wire = ", a->kind->name,
+                       " and address = ", a->where, ", and bus = NAME in both encoders")
+             : RIG_SAY("expected another address"),
         RIG_SAY(b->where, " is the wire in line ", line.text, " already"));
     return refuse_where(in, self, where);
 }
@@ -152,7 +152,7 @@ int dg_plan_take_trace(struct rig_reader *in, const struct dg_plan_setting *word
     const int same = dg_plan_names_find(plan, &name);
     if (same >= 0) {
         return dg_plan_wrong_word(
-            in, word, RIG_SAY("another file is right"),
+            in, word, RIG_SAY("expected another file"),
             RIG_SAY(word->value, " is of the wire in line ",
                     dg_plan_line_text(plan, plan->wires[same].line, word->line).text, " already"));
     }
@@ -175,7 +175,7 @@ static int refuse_key_of(struct rig_reader *in, const struct rig_section *self,
         dg_plan_list_item(
             &list, i < own ? self->kind->keys[i].name : kind->keys->rows[i - own].name, i, count);
     }
-    return dg_plan_wrong_word(in, word, RIG_SAY(list.room, " are right"),
+    return dg_plan_wrong_word(in, word, RIG_SAY("expected ", list.room),
                               RIG_SAY("no key of a ", kind->name, " bus"));
 }
 
@@ -202,8 +202,8 @@ static int check_kind(struct rig_reader *in, const struct dg_plan_setting *word)
         return 0;
     }
     return dg_plan_wrong_word(in, word,
-                              RIG_SAY("wire = ", kind.text, " and address = ", word->value + n + 1u,
-                                      " in a line each are right"),
+                              RIG_SAY("expected wire = ", kind.text,
+                                      " and address = ", word->value + n + 1u, " in a line each"),
                               RIG_SAY(word->value, " is a kind and an address"));
 }
 
@@ -213,7 +213,7 @@ int dg_plan_take_bus(struct rig_reader *in, const struct rig_section *self)
     const struct dg_plan_setting *address = dg_plan_word(self, "address");
 
     if (word == NULL) {
-        return dg_plan_wrong_section(in, self, RIG_SAY("wire = pty, for one, is right"),
+        return dg_plan_wrong_section(in, self, RIG_SAY("expected a wire, for example wire = pty"),
                                      RIG_SAY("without a wire"));
     }
     if (check_kind(in, word) != 0) {

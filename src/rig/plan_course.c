@@ -33,7 +33,7 @@ int dg_course_read(const char *text, struct dg_course_words *to, struct dg_plan_
 {
     *to = (struct dg_course_words){.name = name_of(text)};
     if (to->name == 0) {
-        (void)dg_plan_refuse(error, RIG_SAY(DG_COURSE_FORM " is right"),
+        (void)dg_plan_refuse(error, RIG_SAY("expected " DG_COURSE_FORM),
                              RIG_SAY("'", text, "' is no CSV file"));
         return DG_ERR_ARGUMENT;
     }
@@ -44,7 +44,7 @@ int dg_course_read(const char *text, struct dg_course_words *to, struct dg_plan_
         }
         const struct rig_cut word = dg_plan_cut(at, dg_plan_span(at, ','));
         if (!take_word(word.text, to)) {
-            (void)dg_plan_refuse(error, RIG_SAY(DG_COURSE_FORM " is right"),
+            (void)dg_plan_refuse(error, RIG_SAY("expected " DG_COURSE_FORM),
                                  RIG_SAY("'", word.text, "' is none of the words"));
             return DG_ERR_ARGUMENT;
         }

@@ -35,7 +35,7 @@ static const struct dg_device *take_model(struct rig_reader *in, const struct ri
         return NULL;
     }
     if (mistyped != NULL) {
-        (void)dg_plan_wrong_word(in, mistyped, RIG_SAY("model = ", mistyped->value, " is right"),
+        (void)dg_plan_wrong_word(in, mistyped, RIG_SAY("expected model = ", mistyped->value),
                                  RIG_SAY("no such key"));
     } else if (model == NULL) {
         (void)dg_plan_refuse_model(in, self, "model", word);
@@ -57,7 +57,7 @@ static int take_shaft_of(struct rig_reader *in, const struct rig_section *self)
     const int shaft = word == NULL ? 0 : dg_plan_find_shaft(in->plan, word->value);
     return shaft >= 0
                ? shaft
-               : dg_plan_wrong_word(in, word, RIG_SAY("the NAME of a [shaft] above is right"),
+               : dg_plan_wrong_word(in, word, RIG_SAY("expected the NAME of a [shaft] above"),
                                     RIG_SAY("no shaft ", word->value, " so far"));
 }
 
@@ -75,7 +75,7 @@ static int refuse_kind(struct rig_reader *in, const struct dg_plan_setting *word
             between = " or ";
         }
     }
-    return dg_plan_wrong_word(in, word, RIG_SAY(right.room, " is right"),
+    return dg_plan_wrong_word(in, word, RIG_SAY("expected ", right.room),
                               RIG_SAY(kind->name, " is no wire of ", model->name));
 }
 
@@ -85,7 +85,7 @@ static int use_bus(struct rig_reader *in, const struct dg_plan_setting *word,
     const int at = dg_plan_find_wire(in->plan, word->value);
 
     if (at < 0 || in->plan->wires[at].is_private) {
-        return dg_plan_wrong_word(in, word, RIG_SAY("the NAME of a [bus] above is right"),
+        return dg_plan_wrong_word(in, word, RIG_SAY("expected the NAME of a [bus] above"),
                                   RIG_SAY("no bus ", word->value, " so far"));
     }
     const struct dg_plan_wire *wire = &in->plan->wires[at];
@@ -93,12 +93,12 @@ static int use_bus(struct rig_reader *in, const struct dg_plan_setting *word,
         return refuse_kind(in, word, wire->kind, model);
     }
     if (wire->stack != NULL && wire->stack != model->stack && !wire->kind->mixed) {
-        return dg_plan_wrong_word(in, word, RIG_SAY("another bus is right"),
+        return dg_plan_wrong_word(in, word, RIG_SAY("expected another bus"),
                                   RIG_SAY(word->value, " has encoders of another protocol"));
     }
     return wire->encoder_count < wire->kind->stations_max
                ? at
-               : dg_plan_wrong_word(in, word, RIG_SAY("no more are right"),
+               : dg_plan_wrong_word(in, word, RIG_SAY("expected no more encoders"),
                                     RIG_SAY(word->value, " has ",
                                             dg_plan_number(wire->encoder_count).text,
                                             " encoders already"));
@@ -139,7 +139,7 @@ static int refuse_wire(struct rig_reader *in, const struct rig_section *self,
     section.line = word.line;
     return dg_plan_wrong_section(
         in, &section,
-        RIG_SAY("bus = NAME of a [bus] above, or wire = KIND or KIND:ADDRESS is right"),
+        RIG_SAY("expected bus = NAME of a [bus] above, or wire = KIND or KIND:ADDRESS"),
         RIG_SAY(bus == NULL ? "without a wire" : "a bus and a wire"));
 }
 
@@ -155,7 +155,7 @@ static int take_wire_of(struct rig_reader *in, const struct rig_section *self,
     }
     if (bus != NULL && trace != NULL) {
         return dg_plan_wrong_word(in, trace,
-                                  RIG_SAY("trace = FILE in [bus ", bus->value, "] is right"),
+                                  RIG_SAY("expected trace = FILE in [bus ", bus->value, "]"),
                                   RIG_SAY("a bus has one for all its encoders"));
     }
     if (bus != NULL) {
@@ -217,7 +217,7 @@ static int check_number(struct rig_reader *in, const struct rig_section *section
 
     if (other != NULL) {
         const struct rig_number number = dg_plan_address_text(self->model, own);
-        (void)dg_plan_refuse(in->error, RIG_SAY(key, " = N with another one is right"),
+        (void)dg_plan_refuse(in->error, RIG_SAY("expected ", key, " = N with another one"),
                              RIG_SAY(word == NULL ? "as delivered " : "",
                                      word == NULL ? number.text : word->value, " is ", key,
                                      " of [encoder ", other->name, "] already"));
@@ -232,9 +232,8 @@ static int refuse_number(struct rig_reader *in, const struct dg_plan_setting *wo
     const char *key = model->stack->address_key;
 
     return dg_plan_wrong_word(in, word,
-                              key == NULL
-                                  ? RIG_SAY("its place among the encoders of its wire is right")
-                                  : RIG_SAY(key, " = N is right"),
+                              key == NULL ? RIG_SAY("the order of the encoders on its wire decides")
+                                          : RIG_SAY("expected ", key, " = N"),
                               RIG_SAY(model->name, " has none"));
 }
 
@@ -245,7 +244,7 @@ static int refuse_address(struct rig_reader *in, const struct dg_plan_setting *w
 
     dg_plan_list_begin(&right);
     dg_plan_say_addresses(model, &right.text);
-    (void)dg_plan_refuse(in->error, RIG_SAY(right.room, " is right"), NULL);
+    (void)dg_plan_refuse(in->error, RIG_SAY("expected ", right.room), NULL);
     (void)dg_plan_about(in->error, word->key, word->value);
     return dg_plan_refuse_key(in, word->key, word->line);
 }
@@ -292,7 +291,7 @@ static int take_nvm(struct rig_reader *in, const struct dg_plan_setting *word,
     const struct dg_plan_encoder *other = holder(in->plan, &name);
     if (other != NULL) {
         return dg_plan_wrong_word(
-            in, word, RIG_SAY("another file is right"),
+            in, word, RIG_SAY("expected another file"),
             RIG_SAY(word->value, " is of [encoder ", other->name, "] already"));
     }
     return dg_plan_names_add(in->plan, &name);
@@ -311,7 +310,7 @@ static int take_settings(struct rig_reader *in, const struct rig_section *self,
             dg_plan_wire_has(wire->kind, word->key)) {
             return dg_plan_wrong_word(
                 in, word,
-                RIG_SAY(word->key, " = ", word->value, " in [bus ", wire->name, "] is right"),
+                RIG_SAY("expected ", word->key, " = ", word->value, " in [bus ", wire->name, "]"),
                 RIG_SAY("a bus has one for all its encoders"));
         }
     }

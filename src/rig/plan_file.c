@@ -27,13 +27,13 @@ static bool is_below(const char *path)
 int dg_plan_check_below(struct rig_reader *in, const struct dg_plan_setting *word)
 {
     if (word->value[0] == '\0') {
-        return dg_plan_wrong_word(in, word, RIG_SAY(word->key, " = VALUE is right"),
+        return dg_plan_wrong_word(in, word, RIG_SAY("expected ", word->key, " = VALUE"),
                                   RIG_SAY("empty"));
     }
     return is_below(word->value)
                ? 0
                : dg_plan_wrong_word(
-                     in, word, RIG_SAY("a file in the folder of this one, or below it, is right"),
+                     in, word, RIG_SAY("expected a file in the folder of this one, or below it"),
                      RIG_SAY(word->value, " is none"));
 }
 
@@ -55,7 +55,7 @@ static int refuse_model(struct rig_reader *in, const struct dg_plan_setting *wor
     const bool placed = flaw->line > 0;
 
     return dg_plan_wrong_word(
-        in, word, flaw->right[0] == '\0' ? NULL : RIG_SAY("right is ", flaw->right),
+        in, word, flaw->right[0] == '\0' ? NULL : RIG_SAY("expected ", flaw->right),
         RIG_SAY(path, placed ? ":" : "", placed ? dg_plan_number(flaw->line).text : "", ": ",
                 flaw->what));
 }
@@ -71,7 +71,7 @@ static int make_model(struct rig_reader *in, const struct dg_plan_setting *word,
         return -1;
     }
     if (text.n > DG_PLAN_MODEL_FILES_MAX - in->modelled) {
-        return dg_plan_wrong_word(in, word, RIG_SAY("less is right"),
+        return dg_plan_wrong_word(in, word, RIG_SAY("expected less"),
                                   RIG_SAY("more than ",
                                           dg_plan_number(DG_PLAN_MODEL_FILES_MAX).text,
                                           " bytes in all files that are models"));

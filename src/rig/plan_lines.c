@@ -91,8 +91,8 @@ static int refuse_name(struct rig_reader *self, const char *kind, const char *na
 
     dg_plan_add(&text, RIG_SAY("[", kind, *name == '\0' ? "" : " ", name, more, "]"));
     (void)dg_plan_refuse(self->error,
-                         RIG_SAY("a name of 1 to ", dg_plan_number(DG_PLAN_NAME_MAX).text,
-                                 " letters, digits, _ and - is right, as in [", kind, " a1]"),
+                         RIG_SAY("expected a name of 1 to ", dg_plan_number(DG_PLAN_NAME_MAX).text,
+                                 " letters, digits, _ and -, as in [", kind, " a1]"),
                          NULL);
     return dg_plan_refuse_key(self, section, self->line);
 }
@@ -106,11 +106,11 @@ static int name_section(struct rig_reader *self, char *text)
     const struct rig_kind *found = dg_plan_kind_find(kind);
 
     if (found == NULL) {
-        return dg_plan_wrong_line(self, self->line, RIG_SAY(RIG_SECTIONS " are right"),
+        return dg_plan_wrong_line(self, self->line, RIG_SAY("expected " RIG_SECTIONS),
                                   RIG_SAY("[", kind, "]: no such section"));
     }
     if (!found->named && *name != '\0') {
-        return dg_plan_wrong_line(self, self->line, RIG_SAY("[", kind, "] is right"),
+        return dg_plan_wrong_line(self, self->line, RIG_SAY("expected [", kind, "]"),
                                   RIG_SAY("[", kind, " ", name, "]: has no name"));
     }
     if (found->named && (*more != '\0' || !dg_plan_name_fits(name))) {
@@ -135,7 +135,7 @@ static int begin_section(struct rig_reader *self, struct line *line)
     }
     if (behind == NULL || (*behind != '\0' && !is_comment(*behind))) {
         return dg_plan_wrong_line(self, self->line,
-                                  RIG_SAY("[KIND NAME] on a line of its own is right"),
+                                  RIG_SAY("expected [KIND NAME] on a separate line"),
                                   RIG_SAY("'", line->quoted, "' is no section"));
     }
     line->text[n] = '\0';
@@ -194,7 +194,7 @@ static int check_include(struct rig_reader *self, const struct dg_plan_setting *
     }
     return self->depth < DG_PLAN_DEPTH_MAX
                ? 0
-               : dg_plan_wrong_word(self, word, RIG_SAY("fewer are right"),
+               : dg_plan_wrong_word(self, word, RIG_SAY("expected fewer"),
                                     RIG_SAY(dg_plan_number(DG_PLAN_DEPTH_MAX).text,
                                             " files include each other already"));
 }
@@ -219,7 +219,7 @@ static int include_file(struct rig_reader *self, const struct dg_plan_setting *w
         return -1;
     }
     if (next.text.n > DG_PLAN_INCLUDED_MAX - self->included) {
-        return dg_plan_wrong_word(self, word, RIG_SAY("less is right"),
+        return dg_plan_wrong_word(self, word, RIG_SAY("expected less"),
                                   RIG_SAY("more than ", dg_plan_number(DG_PLAN_INCLUDED_MAX).text,
                                           " bytes in all included files"));
     }
@@ -248,11 +248,11 @@ static int take_word(struct rig_reader *self, const char *key, const char *value
     const struct dg_plan_setting *before = kind == NULL ? NULL : dg_plan_word(section, key);
 
     if (*key == '\0') {
-        return dg_plan_wrong_line(self, self->line, RIG_SAY("KEY = VALUE is right"),
+        return dg_plan_wrong_line(self, self->line, RIG_SAY("expected KEY = VALUE"),
                                   RIG_SAY("no key in front of '= ", value, "'"));
     }
     if (kind == NULL) {
-        return dg_plan_wrong_word(self, &word, RIG_SAY(RIG_SECTIONS " are right"),
+        return dg_plan_wrong_word(self, &word, RIG_SAY("expected " RIG_SECTIONS),
                                   RIG_SAY("stands before the first section"));
     }
     if (kind->at_once != NULL && dg_plan_same(kind->at_once, key)) {
@@ -260,7 +260,7 @@ static int take_word(struct rig_reader *self, const char *key, const char *value
     }
     if (before != NULL && (kind->repeats == NULL || !dg_plan_same(kind->repeats, key))) {
         return dg_plan_wrong_word(
-            self, &word, RIG_SAY("one of them is right"),
+            self, &word, RIG_SAY("expected one of them"),
             RIG_SAY("stands in line ", dg_plan_line_text(self->plan, before->line, self->line).text,
                     " already"));
     }
@@ -287,7 +287,7 @@ static int take_assignment(struct rig_reader *self, struct line *line)
 
     if (*equals != '=' && *equals != ':') {
         return dg_plan_wrong_line(
-            self, self->line, RIG_SAY("one of them is right"),
+            self, self->line, RIG_SAY("expected one of them"),
             RIG_SAY("'", line->quoted, "' is neither [SECTION] nor KEY = VALUE"));
     }
     *equals = '\0';
@@ -343,7 +343,7 @@ static int take_line(struct rig_reader *self)
     self->line++;
     file->line++;
     if (!fetch_line(file, &line)) {
-        return dg_plan_wrong_line(self, self->line, RIG_SAY("a shorter line of text is right"),
+        return dg_plan_wrong_line(self, self->line, RIG_SAY("expected a shorter line of text"),
                                   RIG_SAY("more than ", dg_plan_number(DG_PLAN_LINE_MAX).text,
                                           " characters, or no text at all"));
     }

@@ -38,9 +38,9 @@ int dg_plan_refuse_model(struct rig_reader *in, const struct rig_section *sectio
     say_models(in->plan, &models.text);
     return word == NULL
                ? dg_plan_wrong_section(in, section,
-                                       RIG_SAY(key, " = MODEL is right, one of:", models.room),
+                                       RIG_SAY("expected ", key, " = MODEL, one of:", models.room),
                                        RIG_SAY("without a ", key))
-               : dg_plan_wrong_word(in, word, RIG_SAY("right is one of:", models.room),
+               : dg_plan_wrong_word(in, word, RIG_SAY("expected one of:", models.room),
                                     RIG_SAY(word->value, " is none"));
 }
 
@@ -55,11 +55,11 @@ static int check_name(struct rig_reader *in, const struct rig_section *self)
     const int same = dg_plan_names_find(plan, &name);
 
     if (dg_device_find(self->name) != NULL) {
-        return dg_plan_wrong_section(in, self, RIG_SAY("another name is right"),
+        return dg_plan_wrong_section(in, self, RIG_SAY("expected another name"),
                                      RIG_SAY(self->name, " is built in"));
     }
     if (self->name[0] == '-') {
-        return dg_plan_wrong_section(in, self, RIG_SAY("a letter, digit or '_' in front is right"),
+        return dg_plan_wrong_section(in, self, RIG_SAY("expected a letter, digit or '_' in front"),
                                      RIG_SAY(self->name, " looks like an option"));
     }
     return same < 0 ? 0 : dg_plan_taken(in, self, plan->models[same].line);
@@ -80,12 +80,12 @@ static int check_base(struct rig_reader *in, const struct dg_plan_setting *word,
                       const struct dg_device *base)
 {
     if (dg_model_text_of(base->stack) == NULL) {
-        return dg_plan_wrong_word(in, word, RIG_SAY("a model of another protocol is right"),
+        return dg_plan_wrong_word(in, word, RIG_SAY("expected a model of another protocol"),
                                   RIG_SAY(base->name, " has no figures that a text can change"));
     }
     return depth_of(in->plan, base) < DG_PLAN_BASES_MAX
                ? 0
-               : dg_plan_wrong_word(in, word, RIG_SAY("a model with fewer is right"),
+               : dg_plan_wrong_word(in, word, RIG_SAY("expected a model with fewer"),
                                     RIG_SAY(base->name, " stands on ",
                                             dg_plan_number(DG_PLAN_BASES_MAX).text,
                                             " models already"));
@@ -118,7 +118,7 @@ static int refuse_key(struct rig_reader *in, const struct dg_plan_setting *word,
         figure = dg_model_figure_at(text, i);
     }
     return dg_plan_wrong_word(
-        in, word, RIG_SAY("right is one of: base inherit title source unmodelled", figures.room),
+        in, word, RIG_SAY("expected one of: base inherit title source unmodelled", figures.room),
         RIG_SAY("no figure of ", base->name));
 }
 
@@ -158,7 +158,7 @@ static int take_figures(struct rig_reader *in, const struct rig_section *self,
     }
     const char *right = dg_model_text_of(base->stack)->settle(model);
     return right == NULL ? 0
-                         : dg_plan_wrong_section(in, self, RIG_SAY("right is ", right),
+                         : dg_plan_wrong_section(in, self, RIG_SAY("expected ", right),
                                                  RIG_SAY("figures that do not fit each other"));
 }
 
@@ -178,7 +178,7 @@ static int refuse_heirloom(struct rig_reader *in, const struct dg_plan_setting *
     for (size_t i = 0; names[i] != NULL; i++) {
         dg_plan_add(&right.text, RIG_SAY(i == 0 ? "" : ",", names[i]));
     }
-    return dg_plan_wrong_word(in, word, RIG_SAY("inherit = ", right.room, " is right"),
+    return dg_plan_wrong_word(in, word, RIG_SAY("expected inherit = ", right.room),
                               RIG_SAY(word->value, " is none"));
 }
 

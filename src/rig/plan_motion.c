@@ -117,7 +117,7 @@ static int next_quantity(const char **rest, enum dimension wanted, int64_t *valu
     const size_t n = dg_plan_span(*rest, ',');
     struct quantity quantity = {.value = 0};
     if (is_bare(*rest, n)) {
-        return dg_plan_refuse(error, RIG_SAY(examples[wanted], " is right"),
+        return dg_plan_refuse(error, RIG_SAY("expected ", examples[wanted]),
                               RIG_SAY("'", dg_plan_cut(*rest, n).text, "' has no unit"));
     }
     if (parse_quantity(&quantity, *rest, n, error) != 0) {
@@ -179,7 +179,8 @@ static int parse_simple(struct dg_motion *motion, const char *text, struct dg_pl
         return 0;
     }
     if (is_bare(text, dg_plan_length(text))) {
-        return dg_plan_refuse(error, RIG_SAY(text, "DEG or ", text, "RPM, for one, is right"),
+        return dg_plan_refuse(error,
+                              RIG_SAY("expected ", text, "DEG or ", text, "RPM, for example"),
                               RIG_SAY("'", text, "' has no unit"));
     }
     struct quantity quantity = {.value = 0};

@@ -319,7 +319,7 @@ static int check_whole(struct rig_reader *in)
         if (wire->encoder_count == 0) {
             return dg_plan_wrong_line(
                 in, wire->line,
-                RIG_SAY("bus = ", wire->name, " in an [encoder NAME] is right, or no such bus"),
+                RIG_SAY("expected bus = ", wire->name, " in an [encoder NAME], or no such bus"),
                 RIG_SAY("[bus ", wire->name, "]: without encoders"));
         }
     }
@@ -327,7 +327,7 @@ static int check_whole(struct rig_reader *in)
                ? 0
                : dg_plan_refuse(
                      in->error,
-                     RIG_SAY("[encoder NAME] with model = MODEL and wire = KIND is right"),
+                     RIG_SAY("expected [encoder NAME] with model = MODEL and wire = KIND"),
                      RIG_SAY(plan->file, ": without encoders"));
 }
 

@@ -38,7 +38,7 @@ static int refuse_range(struct rig_reader *in, const struct range *self)
 
     dg_plan_list_begin(&right);
     dg_plan_say_addresses(self->model, &right.text);
-    (void)dg_plan_refuse(in->error, RIG_SAY(right.room, ", or FIRST" BETWEEN "LAST, is right"),
+    (void)dg_plan_refuse(in->error, RIG_SAY("expected ", right.room, ", or FIRST" BETWEEN "LAST"),
                          NULL);
     (void)dg_plan_about(in->error, self->word->key, self->word->value);
     return dg_plan_refuse_key(in, self->word->key, self->word->line);
@@ -102,7 +102,7 @@ static int take_one(struct rig_reader *in, const struct rig_section *all, const 
     }
     dg_plan_add(&name, RIG_SAY(all->name, "-", self->number.text));
     if (!dg_plan_name_fits(text)) {
-        return dg_plan_wrong_section(in, all, RIG_SAY("a shorter name is right"),
+        return dg_plan_wrong_section(in, all, RIG_SAY("expected a shorter name"),
                                      RIG_SAY(text, " is too long for a name"));
     }
     memcpy(self->section.name, text, name.length + 1u);
@@ -150,7 +150,7 @@ int dg_plan_take_encoders(struct rig_reader *in, const struct rig_section *self)
     }
     const struct dg_plan_setting *wire = dg_plan_word(self, "wire");
     if (wire != NULL) {
-        return dg_plan_wrong_word(in, wire, RIG_SAY("bus = NAME of a [bus] above is right"),
+        return dg_plan_wrong_word(in, wire, RIG_SAY("expected bus = NAME of a [bus] above"),
                                   RIG_SAY("several encoders have no wire of their own"));
     }
     return take_numbers(in, &range) == 0 ? take_all(in, self, &range) : -1;

@@ -53,7 +53,7 @@ bool dg_plan_kind_has(const struct rig_kind *kind, const char *key)
     return kind->numbered && dg_plan_is_address_key(key);
 }
 
-/* "a, b and c are right" */
+/* "expected a, b or c" */
 static int refuse_key_of(struct rig_reader *in, const struct rig_section *self,
                          const struct dg_plan_setting *word)
 {
@@ -68,7 +68,7 @@ static int refuse_key_of(struct rig_reader *in, const struct rig_section *self,
     for (size_t i = 0; i < count; i++) {
         dg_plan_list_item(&list, keys[i].name, i, count);
     }
-    return dg_plan_wrong_word(in, word, RIG_SAY(list.room, " are right"),
+    return dg_plan_wrong_word(in, word, RIG_SAY("expected ", list.room),
                               RIG_SAY("no key of [", self->kind->name, "]"));
 }
 
@@ -81,7 +81,7 @@ static int check_words(struct rig_reader *in, const struct rig_section *self)
             return refuse_key_of(in, self, word);
         }
         if (known && word->value[0] == '\0') {
-            return dg_plan_wrong_word(in, word, RIG_SAY(word->key, " = VALUE is right"),
+            return dg_plan_wrong_word(in, word, RIG_SAY("expected ", word->key, " = VALUE"),
                                       RIG_SAY("empty"));
         }
     }
@@ -179,7 +179,7 @@ int dg_plan_wrong_line(struct rig_reader *in, dg_plan_line line, rig_parts right
 
 int dg_plan_taken(struct rig_reader *in, const struct rig_section *section, dg_plan_line by)
 {
-    return dg_plan_wrong_section(in, section, RIG_SAY("another name is right"),
+    return dg_plan_wrong_section(in, section, RIG_SAY("expected another name"),
                                  RIG_SAY("line ",
                                          dg_plan_line_text(in->plan, by, section->line).text,
                                          " has the name already"));
@@ -238,7 +238,7 @@ static int take_control(struct rig_reader *in, const struct dg_plan_setting *wor
 
     if (in->plan->control_count == DG_PLAN_CONTROLS_MAX) {
         return dg_plan_wrong_word(
-            in, word, RIG_SAY("fewer are right"),
+            in, word, RIG_SAY("expected fewer"),
             RIG_SAY("one more than ", dg_plan_number(DG_PLAN_CONTROLS_MAX).text));
     }
     if (dg_access_read(word->value, &access, in->error) != 0) {
@@ -256,12 +256,12 @@ static int take_name(struct rig_reader *in, const struct dg_plan_setting *name)
     }
     if (!dg_plan_name_fits(name->value)) {
         return dg_plan_wrong_word(in, name,
-                                  RIG_SAY("1 to ", dg_plan_number(DG_PLAN_NAME_MAX).text,
-                                          " letters, digits, _ and - are right"),
+                                  RIG_SAY("expected 1 to ", dg_plan_number(DG_PLAN_NAME_MAX).text,
+                                          " letters, digits, _ and -"),
                                   RIG_SAY(name->value, " is none"));
     }
     if (plan->name != NULL) {
-        return dg_plan_wrong_word(in, name, RIG_SAY("one name is right"),
+        return dg_plan_wrong_word(in, name, RIG_SAY("expected one name"),
                                   RIG_SAY("the rig is called ", plan->name, " already"));
     }
     plan->name = name->value;
@@ -298,7 +298,7 @@ static int take_memory(struct rig_reader *in, const struct dg_plan_setting *memo
     }
     if (!dg_unsigned_parse(memory->value, &bytes) || bytes < DG_PLAN_POINT_BYTES ||
         bytes > DG_PLAN_COURSE_MEMORY_MAX) {
-        return dg_plan_wrong_word(in, memory, RIG_SAY("a number in 16..1099511627776 is right"),
+        return dg_plan_wrong_word(in, memory, RIG_SAY("expected a number in 16..1099511627776"),
                                   RIG_SAY(memory->value, " is none"));
     }
     in->plan->course_memory = bytes;
@@ -339,19 +339,19 @@ static const struct rig_key rig_keys[] = {
         .name = "name",
         .takes = "NAME",
         .usual = "the file's name without its ending",
-        .help = "of the rig, and of its default control socket",
+        .help = "name of the rig, and of its default control socket",
     },
     {
         .name = "control",
-        .takes = "unix:PATH or tcp:HOST:PORT, with ,open and ,token=FILE behind it or not",
+        .takes = "unix:PATH or tcp:HOST:PORT, with or without ,open and ,token=FILE",
         .usual = "a socket of the user, called NAME.sock",
-        .help = "where clients steer the rig; up to four times",
+        .help = "where clients control the rig; up to four times",
     },
     {
         .name = "files",
         .takes = "DIR",
         .usual = "the working directory, and nothing for clients over TCP",
-        .help = "the folder for files that clients name; --files goes before it",
+        .help = "the folder for files that clients name; --files has priority",
     },
     {
         .name = "threads",
@@ -373,8 +373,8 @@ static const struct rig_key rig_keys[] = {
         .takes = "FILE",
         .usual = "none",
         .help =
-            "a file whose sections stand here, as often as you like: in the folder of this file or "
-            "below it, without links; up to 8 files that include each other, 1 MiB in all",
+            "include the sections of this file here, as often as you like; the file is in the "
+            "folder of this file or below it, and not a link; at most 8 files deep, 1 MiB in all",
     },
     {.name = NULL},
 };
@@ -382,31 +382,32 @@ static const struct rig_key model_keys[] = {
     {
         .name = "base",
         .takes = "MODEL",
-        .help = "a built-in model, or one above, of which this one is a copy with other figures",
+        .help = "a built-in model, or a [model] above; this model is a copy of it with other "
+                "figures",
     },
     {
         .name = "inherit",
         .takes = "registers",
-        .usual = "frame and timing of the base, and nothing else",
-        .help = "what else of the base is taken over",
+        .usual = "only frame and timing of the base",
+        .help = "what else this model copies from the base",
     },
     {
         .name = "title",
         .takes = "TEXT",
         .usual = "as of the base",
-        .help = "what drehgeber list says of it",
+        .help = "the text that drehgeber list prints",
     },
     {
         .name = "source",
         .takes = "TEXT",
         .usual = "none",
-        .help = "what was read, for whoever reads the file",
+        .help = "the documents that were read, for readers of the file",
     },
     {
         .name = "unmodelled",
         .takes = "TEXT",
         .usual = "none",
-        .help = "what of the encoder this model does not have, for whoever reads the file",
+        .help = "what the real encoder has and this model does not, for readers of the file",
     },
     {.name = NULL},
 };
@@ -415,23 +416,22 @@ static const struct rig_key shaft_keys[] = {
         .name = "motion",
         .takes = "MOTION or FILE.csv",
         .usual = "at rest at 0",
-        .help = "how it turns, as --shaft takes it",
+        .help = "how the shaft moves, as for --shaft",
     },
     {
         .name = "driver",
         .takes = "NAME",
         .usual = "none",
         .help =
-            "the shaft above that turns this one, through at most 8 gears in a row; instead of a "
-            "motion",
+            "the shaft above that turns this one, through at most 8 gears in a row; use it instead "
+            "of motion",
     },
     {
         .name = "ratio",
         .takes = "TURNS:TURNS",
         .usual = "1:1",
-        .help =
-            "turns of this shaft for turns of the driver: whole numbers other than 0, each may be "
-            "negative",
+        .help = "turns of this shaft for turns of the driver: whole numbers except 0, each may be "
+                "negative",
     },
     {.name = NULL},
 };
@@ -439,19 +439,19 @@ static const struct rig_key bus_keys[] = {
     {
         .name = "wire",
         .takes = "KIND",
-        .help = "which kind of wire it is",
+        .help = "the kind of wire",
     },
     {
         .name = "address",
         .takes = "as --KIND",
-        .usual = "that of its kind",
-        .help = "where the wire is",
+        .usual = "the default of its kind",
+        .help = "the address of the wire",
     },
     {
         .name = "trace",
         .takes = "FILE",
         .usual = "none",
-        .help = "what goes over the wire, as --trace has it",
+        .help = "record the wire in this file, as for --trace",
     },
     {.name = NULL},
 };
@@ -460,38 +460,38 @@ static const struct rig_key encoder_keys[] = {
         .name = "model",
         .takes = "MODEL or FILE.eds",
         .help =
-            "one of drehgeber list, of a [model] above, or an EDS or DCF file: in the folder of "
+            "a model of drehgeber list, a [model] above, or an EDS or DCF file in the folder of "
             "this file or below it",
     },
     {
         .name = "shaft",
         .takes = "NAME",
-        .usual = "the first shaft; in a file without shafts all share one at rest",
-        .help = "the shaft above that it is on",
+        .usual = "the first shaft; in a file without shafts all encoders share one at rest",
+        .help = "the shaft above that turns the encoder",
     },
     {
         .name = "bus",
         .takes = "NAME",
-        .usual = "a wire of its own",
-        .help = "the bus above that it is on",
+        .usual = "its own wire",
+        .help = "the bus above that the encoder is on",
     },
     {
         .name = "wire",
         .takes = "KIND or KIND:ADDRESS",
         .usual = "a bus",
-        .help = "a wire of its own; keys of the wire may stand here, too",
+        .help = "the encoder's own wire; keys of the wire may be in this section, too",
     },
     {
         .name = "trace",
         .takes = "FILE",
         .usual = "none",
-        .help = "of the wire of its own",
+        .help = "record the encoder's own wire in this file",
     },
     {
         .name = "nvm",
         .takes = "FILE",
-        .usual = "state is lost at the end",
-        .help = "its EEPROM, made when it does not exist",
+        .usual = "the EEPROM is lost at the end",
+        .help = "keep the EEPROM in this file, which is created if it does not exist",
     },
     {
         .name = "serial",

@@ -28,7 +28,7 @@ static int take_ratio(struct rig_reader *in, const struct dg_plan_setting *word,
     if (!take_turns(word->value, n, &ratio[0]) ||
         !take_turns(second, dg_plan_length(second), &ratio[1])) {
         return dg_plan_wrong_word(in, word,
-                                  RIG_SAY("TURNS:TURNS with whole numbers other than 0 is right"),
+                                  RIG_SAY("expected TURNS:TURNS with whole numbers other than 0"),
                                   RIG_SAY(word->value, " is no ratio"));
     }
     if (ratio[1] < 0) {
@@ -52,12 +52,12 @@ static int take_driver(struct rig_reader *in, const struct dg_plan_setting *word
 {
     *driver = dg_plan_find_shaft(in->plan, word->value);
     if (*driver < 0) {
-        return dg_plan_wrong_word(in, word, RIG_SAY("the NAME of a [shaft] above is right"),
+        return dg_plan_wrong_word(in, word, RIG_SAY("expected the NAME of a [shaft] above"),
                                   RIG_SAY("no shaft ", word->value, " so far"));
     }
     return count_gears(in->plan, *driver) < DG_SHAFT_GEARS_MAX
                ? 0
-               : dg_plan_wrong_word(in, word, RIG_SAY("a shaft with fewer is right"),
+               : dg_plan_wrong_word(in, word, RIG_SAY("expected a shaft with fewer"),
                                     RIG_SAY(dg_plan_number(DG_SHAFT_GEARS_MAX).text,
                                             " gears are between ", word->value,
                                             " and what drives it"));
@@ -83,20 +83,20 @@ static int check_shaft(struct rig_reader *in, const struct rig_section *self)
 
     if (plan->shaft_count > 0 && plan->shafts[0].line == 0) {
         return dg_plan_wrong_section(
-            in, self, RIG_SAY("shafts before all encoders are right"),
+            in, self, RIG_SAY("expected shafts before all encoders"),
             RIG_SAY("[encoder ", plan->encoders[0].name, "] above has done without a shaft"));
     }
     if (same >= 0) {
         return dg_plan_taken(in, self, plan->shafts[same].line);
     }
     if (motion != NULL && driver != NULL) {
-        return dg_plan_wrong_word(in, motion, RIG_SAY("one of them is right"),
+        return dg_plan_wrong_word(in, motion, RIG_SAY("expected one of them"),
                                   RIG_SAY("the driver in line ",
                                           dg_plan_line_text(plan, driver->line, motion->line).text,
                                           " turns this shaft"));
     }
     if (ratio != NULL && driver == NULL) {
-        return dg_plan_wrong_word(in, ratio, RIG_SAY("driver = NAME of a [shaft] above is right"),
+        return dg_plan_wrong_word(in, ratio, RIG_SAY("expected driver = NAME of a [shaft] above"),
                                   RIG_SAY("without a driver"));
     }
     return motion == NULL ? 0 : check_motion(in, motion);

@@ -46,7 +46,7 @@ void dg_plan_list_begin(struct rig_list *self)
 void dg_plan_list_item(struct rig_list *self, const char *word, size_t index, size_t count)
 {
     if (index > 0) {
-        dg_text_add(&self->text, index + 1u == count ? " and " : ", ");
+        dg_text_add(&self->text, index + 1u == count ? " or " : ", ");
     }
     dg_text_add(&self->text, word);
 }

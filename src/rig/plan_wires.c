@@ -33,31 +33,31 @@ _Static_assert(DG_COUNT(frames) == DG_PLAN_FRAMES_COUNT, "a word for each");
 /* clang-format off */
 static const struct dg_key pace_rows[] = {
     {"pace",          "",   0,                        DG_KEY_FLAG, 0, 1, 0, 1, dg_key_no_yes,
-     "1: each frame takes its time at the bit rate"},
+     "1: each frame takes as long as at the real bit rate"},
 };
 static const struct dg_key timing_rows[] = {
     {"clock_hz",      "Hz", OF_TIMING(clock_hz),      DG_KEY_U32,  0, 1, DG_PLAN_CLOCK_MIN_HZ, DG_PLAN_CLOCK_MAX_HZ,
      NULL,
-     "simulated wire: clock of the master"},
+     "clock of the simulated master"},
     {"line_delay_ns", "ns", OF_TIMING(line_delay_ns), DG_KEY_U32,  0, 1, 0, DG_BUS_CABLE_MAX_NS, NULL,
-     "simulated wire: delay of the cable each way; 5 ns are a metre"},
+     "delay of the simulated cable in each direction; 5 ns are a metre"},
     {"compensate",    "",   OF_TIMING(compensate),    DG_KEY_FLAG, 0, 1, 0, 1, dg_key_no_yes,
-     "simulated wire: the master takes its samples later by the way there and back"},
+     "1: the simulated master samples later, by the delay there and back"},
 };
 static const struct dg_key ring_rows[] = {
     {"cycle",         "us", OF_RING(cycle_us),        DG_KEY_U32,  0, 1, 250, 50000, NULL,
-     "from one data cycle of the ring to the next"},
+     "time from one data cycle of the ring to the next"},
     {"tear",          "",   OF_RING(tear),            DG_KEY_FLAG, 0, 1, 0, 1, dg_key_no_yes,
-     "1: half of an OUT word is taken from a request (fault)"},
+     "1: the ring takes only half of an OUT word from a request (fault)"},
     {"break_at",      "",   OF_RING(break_at),        DG_KEY_U16,  0, 1, 0, DG_RING_MAX - 1, NULL,
-     "the bus is cut before this device, 0 is the first (fault)"},
+     "the bus is cut in front of this device; 0 is the first one (fault)"},
 };
 static const struct dg_key simulation_rows[] = {
     {"time",          "",   OF_SIMULATION(time),      DG_KEY_WORD, 0, 1, 0, DG_PLAN_TIME_COUNT - 1, times,
-     "of the SIL Kit simulation: virtual, begun and ended with all others; virtual, begun at once; "
-     "or real, without steps"},
+     "time of the SIL Kit simulation: virtual, started and stopped with all participants; virtual, "
+     "started at once; or real, without steps"},
     {"step_us",       "us", OF_SIMULATION(step_us),   DG_KEY_U32,  0, 1, 1, STEP_MAX_US, NULL,
-     "of SIL Kit's virtual time: from one step to the next"},
+     "length of a step of SIL Kit's virtual time"},
     {"aggregate",     "",   OF_SIMULATION(aggregate), DG_KEY_FLAG, 0, 1, 0, 1, dg_key_no_yes,
      "in virtual time, 1: what the rig sends in a step goes out together, at its end"},
     {"frames",        "",   OF_SIMULATION(frames),    DG_KEY_WORD, 0, 1, 0, DG_PLAN_FRAMES_COUNT - 1, frames,

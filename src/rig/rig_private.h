@@ -14,7 +14,7 @@
 #include "drehgeber/rig.h"
 
 /** The sections there are, for messages. */
-#define RIG_SECTIONS "[rig], [model NAME], [shaft NAME], [bus NAME] and [encoder NAME]"
+#define RIG_SECTIONS "[rig], [model NAME], [shaft NAME], [bus NAME] or [encoder NAME]"
 
 /** Longest text anybody hands over. */
 #define RIG_TEXT_MAX 65536u

@@ -138,7 +138,7 @@ void dg_scpi_refuse_header(struct dg_scpi *self, const char *header, size_t n, b
         dg_text_add(&detail, n == 0 ? "SYSTem:HELP? has all" : "; SYSTem:HELP? has all");
     } else {
         const bool fits = has_form(near, query);
-        dg_text_add(&detail, !fits && cost == OTHER_FORM ? "; right is " : "; near is ");
+        dg_text_add(&detail, !fits && cost == OTHER_FORM ? "; expected " : "; closest is ");
         dg_scpi_add_usage(&detail, near, fits ? query : !query);
     }
     dg_scpi_raise(self, DG_SCPI_UNDEFINED, detail.to);
@@ -151,9 +151,8 @@ void dg_scpi_refuse_word(struct dg_scpi *self, int code, const char *const *word
 
     dg_text_add_n(&detail, &self->line[self->at], dg_scpi_token(self));
     for (size_t i = 0; i < count; i++) {
-        dg_text_add(&detail, i == 0 ? "; " : i + 1u == count ? " or " : ", ");
+        dg_text_add(&detail, i == 0 ? "; expected " : i + 1u == count ? " or " : ", ");
         dg_text_add(&detail, words[i]);
     }
-    dg_text_add(&detail, " is right");
     dg_scpi_raise(self, code, detail.to);
 }

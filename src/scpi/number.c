@@ -373,7 +373,7 @@ static void refuse_bare(struct dg_scpi *self, uint16_t begin, const struct decim
 {
     const size_t n = (size_t)self->at - begin;
     const struct suffix *const units = usual_suffix(DG_SCPI_TIME); /* milliseconds, seconds */
-    const char *between = "; ";
+    const char *between = "; expected ";
     int64_t ignored;
     char room[SCPI_DETAIL_SIZE];
     struct dg_text detail = dg_text_in(room, sizeof room);
@@ -392,7 +392,6 @@ static void refuse_bare(struct dg_scpi *self, uint16_t begin, const struct decim
         raise_range(self, range);
         return;
     }
-    dg_text_add(&detail, " is right");
     dg_scpi_raise(self, DG_SCPI_NO_SUFFIX, detail.to);
 }
 

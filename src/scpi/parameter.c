@@ -83,7 +83,7 @@ static void refuse_apart(struct dg_scpi *self)
     const bool several = dg_scpi_count(self->command->parameters) > 1u;
 
     dg_text_add_n(&detail, &self->line[self->at], dg_scpi_token(self));
-    dg_text_add(&detail, several ? "; a comma is missing, right is " : "; right is ");
+    dg_text_add(&detail, several ? "; a comma is missing, expected " : "; expected ");
     dg_scpi_add_usage(&detail, self->command, self->query);
     dg_scpi_raise(self, DG_SCPI_SYNTAX, detail.to);
 }

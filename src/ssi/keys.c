@@ -15,13 +15,13 @@ static const char *const parities[] = {"none", "even", "odd"};
 static const struct dg_key rows[] = {
     /* name         unit  offset               type        places factor min    max  words           help */
     {"mt",          "",   AT(multiturn_bits),  DG_KEY_U8,   0, 1,        0, DG_SSI_FORM_PART_BITS_MAX, NULL, "multiturn bits"},
-    {"st",          "",   AT(singleturn_bits), DG_KEY_U8,   0, 1,        1, DG_SSI_FORM_PART_BITS_MAX, NULL, "singleturn bits; 10 to 32 with those of the turns"},
-    {"code",        "",   AT(code),            DG_KEY_WORD, 0, 1,        0, DG_SSI_CODE_COUNT - 1, codes, "of the position: gray or binary"},
-    {"error_bit",   "",   AT(error_bit),       DG_KEY_WORD, 0, 1,        0, DG_SSI_ERROR_BIT_COUNT - 1, error_bits, "behind the position: none, high or low is an error"},
-    {"parity",      "",   AT(parity),          DG_KEY_WORD, 0, 1,        0, DG_SSI_PARITY_COUNT - 1, parities, "last bit of the word: none, even or odd"},
-    {"once",        "",   AT(once),            DG_KEY_FLAG, 0, 1,        0,      1, dg_key_no_yes, "the word is sent once and zeros follow"},
-    {"monoflop_us", "us", AT(monoflop),        DG_KEY_NS,   0, 1000, US(MONOFLOP_MIN), US(MONOFLOP_MAX), NULL, "silence on the clock that ends a word"},
-    {"init_ms",     "ms", AT(init),            DG_KEY_NS,   0, 1000000,  0, 600000, NULL,          "after power-on: data is low"},
+    {"st",          "",   AT(singleturn_bits), DG_KEY_U8,   0, 1,        1, DG_SSI_FORM_PART_BITS_MAX, NULL, "singleturn bits; together with mt 10 to 32"},
+    {"code",        "",   AT(code),            DG_KEY_WORD, 0, 1,        0, DG_SSI_CODE_COUNT - 1, codes, "code of the position"},
+    {"error_bit",   "",   AT(error_bit),       DG_KEY_WORD, 0, 1,        0, DG_SSI_ERROR_BIT_COUNT - 1, error_bits, "error bit after the position: none, or the level that means an error"},
+    {"parity",      "",   AT(parity),          DG_KEY_WORD, 0, 1,        0, DG_SSI_PARITY_COUNT - 1, parities, "parity bit at the end of the word"},
+    {"once",        "",   AT(once),            DG_KEY_FLAG, 0, 1,        0,      1, dg_key_no_yes, "1: the encoder sends the word once, and zeros after it"},
+    {"monoflop_us", "us", AT(monoflop),        DG_KEY_NS,   0, 1000, US(MONOFLOP_MIN), US(MONOFLOP_MAX), NULL, "a pause of the clock of this length ends a word"},
+    {"init_ms",     "ms", AT(init),            DG_KEY_NS,   0, 1000000,  0, 600000, NULL,          "time after power-on during which data is low"},
 };
 /* clang-format on */
 

@@ -253,7 +253,7 @@ def test_with_the_word_it_warns_once(rig, address):
 @pytest.mark.parametrize("address", ["0.0.0.0:0", "[::]:0"])
 def test_a_ring_beyond_loopback_is_asked_for(address):
     line = run_refused(1, "run", "ocd-ib-k3", "--modbus", address)
-    assert line.endswith(f"{address},open is right if that is meant"), line
+    assert line.endswith(f"use {address},open if you want that"), line
 
 
 def test_a_ring_beyond_loopback_is_said_once(start):

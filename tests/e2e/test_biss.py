@@ -104,7 +104,7 @@ def test_refusals():
 ])
 def test_an_action_says_what_it_needs(action, said):
     line = run_refused(2, "biss", S3684, *action.split())
-    assert said in line and "right is read, registers [BANK:]ADDR N, eds, write [BANK:]ADDR BYTES or command N" in line
+    assert said in line and "expected read, registers [BANK:]ADDR N, eds, write [BANK:]ADDR BYTES or command N" in line
 
 
 def test_a_register_that_is_refused_is_a_failure():
@@ -257,7 +257,7 @@ def test_clock_too_slow_for_the_short_timeout(clock_hz, says):
 ])
 def test_clock_and_cable_out_of_range(setting, right, tmp_path):
     """One text on the command line, in `run`, and in a rig file."""
-    text = f"--set {setting}: a number in {right} is right" if right else "clock_hz"
+    text = f"--set {setting}: expected a number in {right}" if right else "clock_hz"
     assert text in run_refused(2, "biss", S3674, "read", "--set", setting)
     assert text in run_refused(2, "run", S3674, "--sim", "--set", setting)
     if right:

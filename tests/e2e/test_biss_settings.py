@@ -102,16 +102,16 @@ def test_busy_and_its_jitter_together(tmp_path):
     both = ["busy_us=30", "busy_jitter_us=11"]
     for chosen in (both, both[::-1]):
         line = run_refused(2, "biss", S3674, "read", *settings(*chosen))
-        assert "busy_us 30 and busy_jitter_us 11; together at most 40 is right" in line
+        assert "busy_us 30 and busy_jitter_us 11; expected at most 40 together" in line
     line = run_refused(2, "biss", S3674, "read", *settings("busy_us=34.5", "busy_jitter_us=5.6"))
-    assert "busy_us 34.5 and busy_jitter_us 5.6; together at most 40 is right" in line
+    assert "busy_us 34.5 and busy_jitter_us 5.6; expected at most 40 together" in line
     biss(S3674, "read", *settings("busy_jitter_us=5.5", "busy_us=34.5"))
     biss(S3674, "read", *settings("busy_jitter_us=40", "busy_us=0"))
     rig = tmp_path / "rig.ini"
     rig.write_text(f"[encoder a]\nmodel = {S3674}\nwire = sim\nbusy_us = 30\nbusy_jitter_us = 11\n",
                    encoding="ascii")
     line = run_refused(2, "run", rig)
-    assert "rig.ini:1: " in line and "together at most 40" in line
+    assert "rig.ini:1: " in line and "at most 40 together" in line
 
 
 def test_a_timeout_is_for_gpio_lines(tmp_path):

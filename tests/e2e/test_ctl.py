@@ -188,7 +188,7 @@ def test_several_that_run_are_named(tmp_path):
 
 
 def test_a_folder_with_a_long_name(tmp_path):
-    said = "drehgeber: RUNTIME_DIRECTORY or XDG_RUNTIME_DIR is too long; --control ADDR is right\n"
+    said = "drehgeber: RUNTIME_DIRECTORY or XDG_RUNTIME_DIR is too long; expected --control ADDR\n"
     assert ctl_of_folder("/" + "x" * 5000, "*IDN?") == (1, "", said)
 
 

@@ -152,13 +152,13 @@ def test_zsh(tmp_path):
     zsh = Zsh(tmp_path)
     try:
         screen = zsh.completes("drehgeber ", *COMMANDS)
-        assert "-- the models" in screen
+        assert "-- print the models" in screen
         zsh.completes("drehgeber fau", "drehgeber faults")
         assert "s3674" not in zsh.completes("drehgeber eds ", "f3658", "f3668")
         zsh.completes("drehgeber run s3684-r", f"drehgeber run {MULTITURN}")
         zsh.completes("drehgeber biss s3674-biss ", "read", "registers", "command")
         screen = zsh.completes(f"drehgeber run {MULTITURN} --s", "--shaft", "--slcan", "--serial")
-        assert "what the shaft does" in screen
+        assert "how the shaft moves" in screen
         zsh.completes("drehgeber run s3684-biss --set stop", "stop_bit=")
     finally:
         subprocess.run(["tmux", "-L", zsh.name, "kill-server"], check=False, timeout=PATIENCE_S)

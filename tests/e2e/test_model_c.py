@@ -227,5 +227,5 @@ def test_it_says_where_it_is_from(models):
 def test_what_has_no_c():
     assert "f3658 has no figures that C can have" in run_refused(2, "model", "f3658", "--c")
     assert "model needs a model; valid: " in run_refused(2, "model", "--c")
-    assert "model ssi-13 does nothing; right is 'drehgeber model MODEL --c'" in run_refused(2, "model", "ssi-13")
+    assert "model ssi-13 does nothing; expected 'drehgeber model MODEL --c'" in run_refused(2, "model", "ssi-13")
     assert "none.ini: cannot open" in run_refused(2, "model", "none.ini", "--c")

@@ -74,7 +74,7 @@ def test_one_of_a_file(tmp_path):
     assert "ready tree sim:" in asked("run", "tree", "--model", path, "--sim", "--time", "virtual:1S")
     assert "const struct dg_device model_tree = " in asked("model", "tree", "--model", path, "--c")
     for command in "run", "faults":
-        assert "trees.ini has no model ssi-13; right is one of: tree tree-low" in run_refused(2, command, "ssi-13", "--model", path)
+        assert "trees.ini has no model ssi-13; expected one of: tree tree-low" in run_refused(2, command, "ssi-13", "--model", path)
     assert "none.ini: cannot open" in run_refused(2, "run", "tree", "--model", tmp_path / "none.ini")
     assert "trees.ini has no model bench.ini" in run_refused(2, "run", "bench.ini", "--model", path)
     assert "list takes no option --model" in run_refused(2, "list", "--model", path)
@@ -104,9 +104,9 @@ def test_a_rig_with_models(tmp_path):
 
 
 @pytest.mark.parametrize("text, right", [
-    ("[model a]\nbase = s3674-biss\nst = 33\n", "a.ini:3: st 33: a number in 8..32 is right"),
-    ("[model ssi-13]\nbase = ssi-25\n", "a.ini:1: [model ssi-13]: ssi-13 is built in; another name is right"),
-    ("[model a]\nbase = a\n", "a.ini:2: base: a is none; right is one of:"),
+    ("[model a]\nbase = s3674-biss\nst = 33\n", "a.ini:3: st 33: expected a number in 8..32"),
+    ("[model ssi-13]\nbase = ssi-25\n", "a.ini:1: [model ssi-13]: ssi-13 is built in; expected another name"),
+    ("[model a]\nbase = a\n", "a.ini:2: base: a is none; expected one of:"),
     ("[model a]\nbase = ssi-13\n[shaft s]\n", "a.ini: without encoders"),
 ])
 def test_what_is_wrong_and_where(tmp_path, text, right):
@@ -124,7 +124,7 @@ def test_a_wrong_file_is_not_in_the_way(folder, tmp_path):
     assert "la26: BiSS-C" in asked("run", "la26", "--help", env=folder)
     asked("ssi", "tree", "read", env=folder)
     asked("faults", "rls-la11-26", env=folder)
-    wrong = "a.ini:5: st 33: a number in 1..32 is right"
+    wrong = "a.ini:5: st 33: expected a number in 1..32"
     for name in "ok", "bad":
         said = run_refused(2, "ssi", name, "read", env=folder)
         assert wrong in said and "unknown" not in said
@@ -144,7 +144,7 @@ def test_a_folder_that_is_not_there(tmp_path):
 
 def test_two_of_a_name(folder, tmp_path):
     (tmp_path / "models" / "more.ini").write_text(LA26.replace("26 bit", "another"))
-    said = f"la26 is in both {tmp_path}/models/la26.ini and {tmp_path}/models/more.ini; one is right"
+    said = f"la26 is in both {tmp_path}/models/la26.ini and {tmp_path}/models/more.ini; expected it in one file"
     assert said in run_refused(2, "biss", "la26", "read", env=folder)
     ended = run("list", env=folder)
     assert "la26" not in ended.stdout and ended.stderr.count("\n") == 1 and said in ended.stderr
@@ -193,7 +193,7 @@ def test_a_rig_names_what_is_sold(folder, tmp_path):
     path.write_text("[model mine]\nbase = rls-la11-26\nst = 20\n")
     assert asked("biss", path, "read", "--shaft", "90DEG", env=folder).startswith("MT 0  ST 262144 ")
     path.write_text("[encoder a]\nmodel = renishaw-resolute-33\nwire = sim\n")
-    assert "bench.ini:2: model: renishaw-resolute-33 is none; right is one of:" in run_refused(2, "run", path, env=folder)
+    assert "bench.ini:2: model: renishaw-resolute-33 is none; expected one of:" in run_refused(2, "run", path, env=folder)
 
 
 def test_it_is_found_where_it_is_installed(tmp_path):
@@ -221,7 +221,7 @@ def test_an_fmu_has_its_figures(tmp_path):
 def test_a_wire_does_not_hide_what_is_wrong_in_a_file(tmp_path):
     path = tmp_path / "la26.ini"
     path.write_text(LA26.replace("st = 26", "st = 99"))
-    assert "la26.ini:3: st 99: a number in 8..32 is right" in run_refused(2, "run", path, "--sim")
+    assert "la26.ini:3: st 99: expected a number in 8..32" in run_refused(2, "run", path, "--sim")
     assert "none.ini: cannot open" in run_refused(2, "run", tmp_path / "none.ini", "--shaft", "1RPM")
 
 
@@ -230,9 +230,9 @@ def test_nobody_waits_for_a_fifo(folder, tmp_path):
     os.mkfifo(tmp_path / "acme.eds")
     ended = run("list", env=folder)
     assert "la26                     BiSS-C, linear, 26 bit\n" in ended.stdout
-    assert "a.ini: not a regular file; one is right" in ended.stderr
-    assert "acme.eds: not a regular file; one is right" in run_refused(1, "check", tmp_path / "acme.eds")
-    assert "acme.eds: not a regular file; one is right" in run_refused(2, "run", tmp_path / "acme.eds")
+    assert "a.ini: expected a regular file" in ended.stderr
+    assert "acme.eds: expected a regular file" in run_refused(1, "check", tmp_path / "acme.eds")
+    assert "acme.eds: expected a regular file" in run_refused(2, "run", tmp_path / "acme.eds")
 
 
 # --- EEPROM files -------------------------------------------------------------------------------
@@ -271,7 +271,7 @@ def test_an_image_of_a_model_that_is_built_in(tmp_path):
     assert run("run", path, *live, "--nvm", old, "--nvm-convert", new).returncode == 0
     assert "an image of this encoder has" in run_refused(1, "run", "s3674-biss", *live, "--nvm", new)
     old.write_bytes(b"something else")
-    assert "nothing that could be converted; an image of an encoder of the same protocol is right" in run_refused(
+    assert "nothing that could be converted; expected an image of an encoder of the same protocol" in run_refused(
         2, "run", path, *live, "--nvm", old, "--nvm-convert", tmp_path / "x.nvm")
     assert not (tmp_path / "x.nvm").exists()
 

@@ -352,12 +352,12 @@ def test_open_is_said_once(start, kind):
 
 
 @pytest.mark.parametrize("where, right", [
-    ("127.0.0.1:0", "rfc2217:HOST:PORT or tcp:HOST:PORT, with ,open behind it or not, is right"),
-    ("tcp:127.0.0.1:0,x", "rfc2217:HOST:PORT or tcp:HOST:PORT, with ,open behind it or not, is right"),
-    ("tcp:127.0.0.1", "rfc2217:HOST:PORT or tcp:HOST:PORT, with ,open behind it or not, is right"),
-    ("rfc2217:0.0.0.0:0", "0.0.0.0:0,open is right if that is meant"),
+    ("127.0.0.1:0", "expected rfc2217:HOST:PORT or tcp:HOST:PORT, with or without ,open"),
+    ("tcp:127.0.0.1:0,x", "expected rfc2217:HOST:PORT or tcp:HOST:PORT, with or without ,open"),
+    ("tcp:127.0.0.1", "expected rfc2217:HOST:PORT or tcp:HOST:PORT, with or without ,open"),
+    ("rfc2217:0.0.0.0:0", "use 0.0.0.0:0,open if you want that"),
 ])
 def test_refusals_say_what_is_right(where, right):
-    status = 1 if "open is" in right else 2
+    status = 1 if ",open if" in right else 2
     line = run_refused(status, "run", MULTITURN, f"--rs485={where}")
     assert f"--rs485 {where}: " in line and line.endswith(right), line

@@ -411,11 +411,11 @@ def test_a_simulated_master_can_be_quiet(start):
 
 # A file, the exit status, and what the one line says behind the file's name.
 BAD = [
-    ("[encoder a]\nmodel = f3668\nwire = slcan\nnode = 200\n", 2, ":4: node 200: a node-ID in 1..127 is right"),
+    ("[encoder a]\nmodel = f3668\nwire = slcan\nnode = 200\n", 2, ":4: node 200: expected a node-ID in 1..127"),
     ("[encoder a]\nmodel = f3668\nwire = slcan\ncolour = red\n", 2, ":4: .*colour"),
     ("[encoder a]\nmodel = s3684-rs485\nwire = pty\nserial = 1234567890\n", 2, ":4: .*1 to 9"),
     ("[bus b]\nwire = modbus\ncycle = 1\n[encoder a]\nmodel = ocd-ib-k1\nbus = b\n", 2, ":3: .*cycle"),
-    ("[encoder a]\nmodel = ocd-ib-k1\nwire = modbus:nowhere\n", 2, ":3: modbus:nowhere: HOST:PORT"),
+    ("[encoder a]\nmodel = ocd-ib-k1\nwire = modbus:nowhere\n", 2, ":3: modbus:nowhere: expected HOST:PORT"),
     ("[encoder a]\nmodel = f3668\nwire = slcan\ntemperature = none.csv\n", 1, ":4: temperature=none.csv: .*none.csv"),
     ("[encoder a]\nmodel = f3668\nwire = slcan\ntemperature = rig.csv,LOP\n", 2,
      r":4: temperature=rig.csv,LOP: 'LOP' .*ONCE.LOOP"),
@@ -427,13 +427,13 @@ BAD = [
     ("[encoder a]\nmodel = s3684-rs485\nwire = pty\ntrace = none/a.vcd\n", 1, ":4: trace: .*none/a.vcd"),
     ("[rig]\ncontrol = unix:none/s\n[encoder a]\nmodel = s3684-rs485\nwire = pty\n", 1, ":2: control: .*none/s"),
     ("[encoder a]\nmodel = s3684-rs485\nwire = pty\ntrace = a.log\n", 2, ":4: trace: .*ends in .vcd"),
-    ("[encoder a]\nmodell = f3668\nwire = slcan\n", 2, ":2: modell: .*model = f3668 is right"),
+    ("[encoder a]\nmodell = f3668\nwire = slcan\n", 2, ":2: modell: .*expected model = f3668"),
     ("[bus b]\nwire = slcan:/x\n[encoder a]\nmodel = f3668\nbus = b\n", 2,
      ":2: wire: .*wire = slcan and address = /x in a line each"),
     ("[encoder a]\nmodel = s3684-rs485\nwire = pty:x\n[encoder b]\nmodel = s3684-rs485\nwire = pty:x\n", 2,
      r":6: wire: .*\[bus NAME\] with wire = pty and address = .*x"),
     ("[encoder a]\nmodel = \x1b[31mred\a\n", 2, r":2: model: \?\[31mred\? is none"),
-    ("[encoder a]\nmodel = f3668\nwire = slcan\n = 5\n", 2, ":4: no key in front of '= 5'; KEY = VALUE"),
+    ("[encoder a]\nmodel = f3668\nwire = slcan\n = 5\n", 2, ":4: no key in front of '= 5'; expected KEY = VALUE"),
     ("[shaft a]\nmotion = 90\n[encoder a]\nmodel = f3668\nwire = slcan\n", 2, ":2: motion 90: .*90DEG or 90RPM"),
 ]
 

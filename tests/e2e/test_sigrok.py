@@ -257,7 +257,7 @@ FLAGS = "nERR 1 nWARN 1 CRC ok"
     (Line().clock("1").end(), ["1 clock is no frame"]),
     (Line().clock("10").end("1"), []),  # a reduced frame
     (Line().frame(data="0" + VECTOR[1:-1] + "0"), [f"ST {0x123456} nERR 1 nWARN 1 CRC wrong",
-                                                    "CRC 34 is wrong, right is 35"]),
+                                                    "CRC 34 is wrong, expected 35"]),
     (Line().frame(data="0" * 30), []),  # data channels are off
     (Line().frame(data=VECTOR + "000"), [f"ST {0x123456} {FLAGS}"]),
     (Line().frame(data=VECTOR + "010"), [f"ST {0x123456} {FLAGS}", "1 behind the CRC: more slaves, or wider data?"]),
@@ -316,12 +316,12 @@ def changed(frames, place, bits):
 @pytest.mark.parametrize("frames, wanted", [
     (READ_78, ["read 78h (device id) = 4Bh", "ID 0 read 78h: 4B"]),
     (WRITE_1B, ["write 1Bh = A5h", "ID 0 write 1Bh: A5"]),
-    (changed(READ_78, 15, "0"), ["ID 0, register 78h: CRC4 of the address 4 is wrong, right is 5"] * 2),
-    (changed(READ_78, 131, "1"), ["read 78h (device id) = 4Bh, CRC4 of the data 7 is wrong, right is 6",
-                                  "ID 0 read 78h: CRC4 of the data 7 is wrong, right is 6", "ID 0 read 78h: 4B"]),
+    (changed(READ_78, 15, "0"), ["ID 0, register 78h: CRC4 of the address 4 is wrong, expected 5"] * 2),
+    (changed(READ_78, 131, "1"), ["read 78h (device id) = 4Bh, CRC4 of the data 7 is wrong, expected 6",
+                                  "ID 0 read 78h: CRC4 of the data 7 is wrong, expected 6", "ID 0 read 78h: 4B"]),
     (changed(WRITE_1B, 30, "1"), [
-        "write 1Bh = A5h, CRC4 of the data 5 is wrong, right is 4, echo A5 4 of what was sent as A5 5",
-                                  "ID 0 write 1Bh: CRC4 of the data 5 is wrong, right is 4",
+        "write 1Bh = A5h, CRC4 of the data 5 is wrong, expected 4, echo A5 4 of what was sent as A5 5",
+                                  "ID 0 write 1Bh: CRC4 of the data 5 is wrong, expected 4",
                                   "ID 0 write 1Bh: echo A5 4 of what was sent as A5 5", "ID 0 write 1Bh: A5"]),
     (changed(WRITE_1B, 31, "1"), ["write 1Bh = A5h, the stop bit of the master is missing: P = 1",
                                   "ID 0 write 1Bh: the stop bit of the master is missing: P = 1", "ID 0 write 1Bh: A5"]),
@@ -330,8 +330,8 @@ def changed(frames, place, bits):
     # Two registers, the first with a wrong CRC.
     (("1 1 000 1111000 0101 1 0 1 00000000 0000 0 1 00000000 0000 0 0",
       "0 1 0000000 0 0000000 1 0 1 01001011 0111 0 1 01001011 0110 0"),
-     ["read 78h (device id) = 4Bh, CRC4 of the data 7 is wrong, right is 6",
-      "ID 0 read 78h: CRC4 of the data 7 is wrong, right is 6", "read 79h (device id) = 4Bh", "ID 0 read 78h: 4B 4B"]),
+     ["read 78h (device id) = 4Bh, CRC4 of the data 7 is wrong, expected 6",
+      "ID 0 read 78h: CRC4 of the data 7 is wrong, expected 6", "read 79h (device id) = 4Bh", "ID 0 read 78h: 4B 4B"]),
     (changed(READ_78, 118, "1"), ["ID 0 read 78h (device id): refused"] * 2),
     (changed(READ_78, 101, "0" * 32), ["ID 0 read 78h (device id): no answer"] * 2),
     (changed(WRITE_1B, 118, "0"), ["ID 0 write 1Bh: refused"] * 2),
@@ -354,7 +354,7 @@ def changed(frames, place, bits):
     (("1 0 10000000 00 0010 1 0000000 0", "0 1 00000000 00 0000 0 1000000 0"),
      ["ID 0: command 00, data channel on: not executed: EX = 0"] * 2),
     (("1 0 00000000 00 1110 1 1", "0 1 00000000 00 0000 0 0"),
-     ["command 00: CRC4 of the address E is wrong, right is F"] * 2),
+     ["command 00: CRC4 of the address E is wrong, expected F"] * 2),
 ])
 def test_biss_control_frames_by_hand(tmp_path, frames, wanted):
     path = Line().control(*frames).control(ZEROS, ZEROS).write(tmp_path / "line.vcd")

@@ -132,12 +132,12 @@ def test_settings(tmp_path, settings, bits, what):
 
 
 @pytest.mark.parametrize("arguments, right", [
-    (["--set", "code=grey"], r"code=grey.*gray or binary is right"),
-    (["--set", "parity=mark"], r"parity=mark.*none, even or odd is right"),
-    (["--set", "error_bit=1"], r"error_bit=1.*none, high or low is right"),
+    (["--set", "code=grey"], r"code=grey.*expected gray or binary"),
+    (["--set", "parity=mark"], r"parity=mark.*expected none, even or odd"),
+    (["--set", "error_bit=1"], r"error_bit=1.*expected none, high or low"),
     (["--set", "st=33"], r"st=33.*1\.\.32"),
-    (["--set", "st=32"], r"mt 0 and st 32; together 10 to 32 bits are right, mt 0\.\.24 and st 8\.\.31"),
-    (["--set", "mt=24"], r"mt 24 and st 13; together 10 to 32 bits are right"),
+    (["--set", "st=32"], r"mt 0 and st 32; expected 10 to 32 bits together, mt 0\.\.24 and st 8\.\.31"),
+    (["--set", "mt=24"], r"mt 24 and st 13; expected 10 to 32 bits together"),
     (["--set", "monoflop_us=9"], r"monoflop_us=9.*10\.\.1000000 us"),
     (["--serial", "5"], r"--serial 5: ssi-13 has none; leave it out"),
     (["--nvm", "x.nvm"], r"--nvm.*ssi-13 has no EEPROM; leave it out"),
@@ -150,8 +150,8 @@ def test_what_is_wrong_is_said_alike(tmp_path, arguments, right):
 
 def test_refusals(tmp_path):
     assert "valid: ssi-13 ssi-25 ssi-28" in run_refused(2, "ssi", "s3674-biss", "read")
-    assert "right is read" in run_refused(2, "ssi", S13)
-    assert "right is read" in run_refused(2, "ssi", S13, "fly")
+    assert "expected read" in run_refused(2, "ssi", S13)
+    assert "expected read" in run_refused(2, "ssi", S13, "fly")
     assert "--sim or --gpio" in run_refused(2, "run", S13, "--pty")
     assert "SSI ends in .vcd" in run_refused(2, "ssi", S13, "read", "--trace", tmp_path / "a.log")
 
@@ -185,8 +185,8 @@ def test_a_cable_that_is_too_long_for_a_master_that_does_not_compensate(how):
     """300 ns there and 300 ns back are half a period of 833333.3 Hz."""
     long = ("--set", "compensate=0", "--set", "line_delay_ns=300")
     said = run_refused(2, *how, *long)
-    assert "compensate=0: " in said and "clock_hz up to 833333 is right" in said
-    assert "clock_hz up to 833333 " in run_refused(2, *how, *long, "--set", "clock_hz=833334")
+    assert "compensate=0: " in said and "expected clock_hz up to 833333" in said
+    assert "expected clock_hz up to 833333" in run_refused(2, *how, *long, "--set", "clock_hz=833334")
     right = ssi(S25, "read", "--shaft", "90DEG", *long, "--set", "clock_hz=833333")
     assert right == "MT 0  ST 2048  90.000000 deg\n"
 
@@ -292,7 +292,7 @@ def test_one_encoder_on_a_line(tmp_path):
     file = tmp_path / "rig.ini"
     encoders = "".join(f"[encoder {name}]\nmodel = {S13}\nbus = line\n" for name in "ab")
     file.write_text(f"[bus line]\nwire = sim\n{encoders}", encoding="ascii")
-    assert "at most 1 encoders is right" in run_refused(2, "run", file)
+    assert "expected at most 1 encoders" in run_refused(2, "run", file)
 
 
 def test_verbose_says_what_was_read():

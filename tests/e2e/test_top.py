@@ -247,9 +247,9 @@ def test_sizes(panel, four):
     screen = top.wait("^bi .* idle", "^co .*slcan +BUS:off ERR:blink .*preoperational ")
     assert screen.splitlines()[23].endswith("q") and "NAME" in screen and "~" not in row(screen, "hf")
     top.tmux("resize-window", "-x", "39", "-y", "24")
-    top.wait("window too small: 40x10 is right")
+    top.wait("window too small: expected 40x10")
     top.tmux("resize-window", "-x", "40", "-y", "9")
-    top.wait("window too small: 40x10 is right")
+    top.wait("window too small: expected 40x10")
     top.tmux("resize-window", "-x", "10", "-y", "3")
     top.wait("window to~")
     top.tmux("resize-window", "-x", "160", "-y", "60")
@@ -450,4 +450,4 @@ def test_wrong_words(tmp_path):
 @pytest.mark.parametrize("term", ["dumb", "nonsense", "''"])
 def test_terminals_without_a_cursor(panel, four, term):
     screen = panel(four.address, term=term, width=200).wait("^status 2$")
-    assert "no terminal with a cursor" in screen
+    assert "not a terminal with a cursor" in screen

@@ -596,7 +596,7 @@ def test_a_port_that_is_taken(rig, control):
 
 def test_beyond_loopback_has_to_be_meant(rig, control):
     line = run_refused(1, "web", control, "--listen", "0.0.0.0:0")
-    assert "0.0.0.0:0,open is right" in line
+    assert "use 0.0.0.0:0,open" in line
     process = Process("web", control, "--listen", "0.0.0.0:0,open")
     assert process.ready.startswith("ready web http://0.0.0.0:")
     status, said = process.end()
@@ -605,9 +605,9 @@ def test_beyond_loopback_has_to_be_meant(rig, control):
 
 
 @pytest.mark.parametrize("arguments, right", [
-    (["--listen", "8080"], "HOST:PORT is right"),
-    (["--listen", "127.0.0.1:0,word"], "HOST:PORT is right"),
-    (["--listen", ""], "--listen HOST:PORT is right"),
+    (["--listen", "8080"], "expected HOST:PORT"),
+    (["--listen", "127.0.0.1:0,word"], "expected HOST:PORT"),
+    (["--listen", ""], "expected --listen HOST:PORT"),
     (["--nvm", "x"], "web [ADDRESS]"),
 ])
 def test_usage(rig, control, arguments, right):

@@ -59,9 +59,9 @@ def test_one_connection_has_many_answers(web):
 
 
 @pytest.mark.parametrize("request_, status, reason", [
-    ("GET / HTTP/1.1\r\nHost: evil.example", 403, "This is no name of the machine, or a page of another site; an address is right"),
+    ("GET / HTTP/1.1\r\nHost: evil.example", 403, "This is not a name of this machine, or it is a page of another site; use an address"),
     ("GET / HTTP/1.1\r\nHost: {name}\r\nOrigin: http://evil.example", 403, "a page of another site"),
-    ("POST / HTTP/1.1\r\nHost: {name}\r\nContent-Length: 0", 405, "GET is right"),
+    ("POST / HTTP/1.1\r\nHost: {name}\r\nContent-Length: 0", 405, "expected GET"),
     ("GET /nothing HTTP/1.1\r\nHost: {name}", 404, ""),
     ("GET /rig HTTP/1.1\r\nHost: {name}\r\nConnection: Upgrade\r\nUpgrade: h2c", 400, "websocket is the only upgrade here"),
     ("GET /rig HTTP/1.1\r\nHost: {name}\r\nConnection: Upgrade\r\nUpgrade: websocket\r\nSec-WebSocket-Version: 13\r\n"
@@ -137,8 +137,8 @@ def test_it_listens_where_it_is_told(rig, control):
     assert process.ready.startswith(f"ready web http://[::1]:{port}/#token=")
     assert process.end() == (0, [])
     said = run("web", control, "--listen", "8080").stderr
-    assert said == ("drehgeber: --listen 8080: HOST:PORT is right, e.g. 127.0.0.1:8080; with ,open behind it beyond "
+    assert said == ("drehgeber: --listen 8080: expected HOST:PORT, e.g. 127.0.0.1:8080, or HOST:PORT,open beyond "
                     "loopback\n")
     said = run("web", control, "--listen", "0.0.0.0:0").stderr
-    assert said == ("drehgeber: --listen 0.0.0.0:0: beyond loopback, where anybody could try; 0.0.0.0:0,open is right if "
-                    "that is meant\n")
+    assert said == ("drehgeber: --listen 0.0.0.0:0: beyond loopback, where anybody could try; use 0.0.0.0:0,open if "
+                    "you want that\n")

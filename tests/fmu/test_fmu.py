@@ -90,7 +90,7 @@ def test_a_file_without_the_ending_is_refused(tmp_path: pathlib.Path) -> None:
         file = tmp_path / name
         done = subprocess.run([DREHGEBER, "fmu", "f3668", "-o", str(file)], capture_output=True, text=True)
         assert done.returncode == 2 and not file.exists()
-        assert done.stderr == f"drehgeber: --output {file}: {file}.fmu is right\n"
+        assert done.stderr == f"drehgeber: --output {file}: expected {file}.fmu\n"
 
 
 def limited(output: pathlib.Path, blocks: str, program: str = DREHGEBER) -> subprocess.CompletedProcess[str]:

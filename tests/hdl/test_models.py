@@ -163,7 +163,7 @@ def test_the_driver_is_on_while_the_encoder_sends(traces):
 def test_wrong_settings_end_the_simulation_with_one_line(tmp_path, name):
     done = run(tmp_path, SIMULATORS[name](tmp_path, "bad"))
     assert done.returncode != 0
-    assert [line for line in done.stdout.split("\n") if "st=99: 8..32 is right" in line], done.stdout
+    assert [line for line in done.stdout.split("\n") if "st=99: expected 8..32" in line], done.stdout
     assert "done" not in done.stdout
 
 

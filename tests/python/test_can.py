@@ -349,5 +349,5 @@ def test_a_bus_that_was_shut_down_is_over():
 
 
 def test_a_time_that_there_is_not_is_refused():
-    with pytest.raises(can.CanInitializationError, match="'virtual' or 'real' is right"):
+    with pytest.raises(can.CanInitializationError, match="expected 'virtual' or 'real'"):
         can.Bus(interface="drehgeber", channel="f3668", time="rael")

@@ -71,7 +71,7 @@ def test_who_has_the_token(listening, open_control, tmp_path):
 
 @pytest.mark.parametrize("address", ["", "/run/rig.sock", "udp:127.0.0.1:5025"])
 def test_another_address_is_refused(address):
-    with pytest.raises(ValueError, match="unix:PATH, tcp:HOST:PORT or tty:PATH is right"):
+    with pytest.raises(ValueError, match="expected unix:PATH, tcp:HOST:PORT or tty:PATH"):
         Control(address)
 
 

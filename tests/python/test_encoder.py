@@ -260,7 +260,7 @@ def test_motions(motion, after, degrees):
     "motion", ["90", "1S", "sine:90DEG", "sine:2S,90DEG", "ramp:60RPM,1S,1S,1S", "saw:1DEG,1S", "fast", "5 REF", "60 RPM"]
 )
 def test_motions_that_are_none(motion):
-    with pytest.raises(EncoderError, match="^motion '.*(is right|valid: 0, 90DEG, .* FILE.csv)$"):
+    with pytest.raises(EncoderError, match="^motion '.*(; expected .*|valid: 0, 90DEG, .* FILE.csv)$"):
         Shaft(motion=motion)
 
 
@@ -464,7 +464,7 @@ def test_what_is_assigned_ends_a_course():
 @pytest.mark.parametrize("line", ["1;2", "1,x", "1,2,3", "1,1e3", "1,nan", "x,1"])
 def test_lines_of_a_file_that_are_no_points(tmp_path, line):
     (tmp_path / "x.csv").write_text(f"time_s,temperature\n{line}\n")
-    with pytest.raises(EncoderError, match="x.csv:2: time_s,temperature is right"):
+    with pytest.raises(EncoderError, match="x.csv:2: expected time_s,temperature"):
         Encoder("f3668").world.play("temperature", tmp_path / "x.csv")
 
 
@@ -724,7 +724,7 @@ def test_what_is_not_finite_turns_no_shaft(wrong):
 def test_words_are_texts():
     with pytest.raises(TypeError, match="model None: expected a text"):
         Encoder(None)
-    with pytest.raises(TypeError, match="motion 60: words are right"):
+    with pytest.raises(TypeError, match="motion 60: expected words"):
         Shaft(motion=60)
 
 

@@ -100,14 +100,14 @@ def test_several_on_one_bus(vendor, tmp_path):
 @pytest.mark.parametrize("name, said", [
     ("missing.eds", "missing.eds: No such file or directory"),
     ("folder.eds", "folder.eds: Is a directory"),
-    ("empty.eds", "empty.eds: no object; right is an EDS or DCF file, with sections as [1000]"),
-    ("long.eds", "long.eds: too long; right is at most 1 MB"),
-    ("many.eds", "many.eds:4001: too many objects; right is at most 4000 objects, 16384 sub-indices"),
+    ("empty.eds", "empty.eds: no object; expected an EDS or DCF file, with sections as [1000]"),
+    ("long.eds", "long.eds: too long; expected at most 1 MB"),
+    ("many.eds", "many.eds:4001: too many objects; expected at most 4000 objects, 16384 sub-indices"),
     ("own.eds", "own.eds:{own}: [6501] DefaultValue: not the figures of the encoder with this identity; "
-                "right is 65536 steps, and 4096 turns or one"),
+                "expected 65536 steps, and 4096 turns or one"),
     ("missing.ini", "missing.ini: No such file or directory"),
-    ("bench.ini", "bench.ini: a rig file is no model; Rig('bench.ini') is right"),
-    ("bad.ini", "bad.ini:3: st 99: a number in 8..32 is right"),
+    ("bench.ini", "bench.ini: a rig file is no model; expected Rig('bench.ini')"),
+    ("bad.ini", "bad.ini:3: st 99: expected a number in 8..32"),
 ])
 def test_what_is_no_model(vendor, tmp_path, name, said):
     """One exception with file, line, key, what is wrong and what is right."""
@@ -151,10 +151,10 @@ def test_models_of_a_rig(vendor, tmp_path):
 
 @pytest.mark.parametrize("model, said", [
     ("missing.eds", "text:2: model: missing.eds: No such file or directory"),
-    ("/etc/x.eds", "text:2: model: /etc/x.eds is none; a file in the folder of this one, or below it, is right"),
-    ("../vendor.eds", "text:2: model: ../vendor.eds is none; a file in the folder of this one, or below it, is right"),
-    ("link.eds", "text:2: model: link.eds: not in the folder for files; a name below it is right"),
-    ("empty.eds", "text:2: model: empty.eds: no object; right is an EDS or DCF file, with sections as [1000]"),
+    ("/etc/x.eds", "text:2: model: /etc/x.eds is none; expected a file in the folder of this one, or below it"),
+    ("../vendor.eds", "text:2: model: ../vendor.eds is none; expected a file in the folder of this one, or below it"),
+    ("link.eds", "text:2: model: link.eds: not in the folder for files; expected a name below it"),
+    ("empty.eds", "text:2: model: empty.eds: no object; expected an EDS or DCF file, with sections as [1000]"),
 ])
 def test_what_a_rig_refuses(vendor, tmp_path, model, said):
     (tmp_path / "link.eds").symlink_to(vendor)

@@ -69,7 +69,7 @@ def test_one_section_for_many(tmp_path):
     with Rig.of_text(text.replace("1..125", "5..5"), tmp_path) as rig:
         assert list(rig.encoders) == ["n-5", "r-0x40", "r-0x41"]
     for value in ("3..2", "1..x", "..2"):
-        with pytest.raises(EncoderError, match="is right|no number"):
+        with pytest.raises(EncoderError, match="expected|no number"):
             Rig.of_text(text.replace("1..125", value), tmp_path)
     with pytest.raises(EncoderError, match="no wire of their own"):
         Rig.of_text(text.replace("bus = b\nnode", "wire = slcan\nnode"), tmp_path)
@@ -151,14 +151,14 @@ def test_a_recording_beside_the_file(tmp_path):
 ENCODER = "[encoder a]\nmodel = f3668\nwire = slcan\n"
 WRONG = {
     "": "^text: without encoders; ",
-    "[motor]\n": r"^text:1: \[motor\]: no such section; .*\[encoder NAME\] are right",
-    "[encoder a]\nmodel = s9\n": "^text:2: model: s9 is none; right is one of: s3674-rs485 ",
-    ENCODER + "node = 500\n": r"^text:4: node 500: a node-ID in 1\.\.127 is right",
+    "[motor]\n": r"^text:1: \[motor\]: no such section; expected .* or \[encoder NAME\]",
+    "[encoder a]\nmodel = s9\n": "^text:2: model: s9 is none; expected one of: s3674-rs485 ",
+    ENCODER + "node = 500\n": r"^text:4: node 500: expected a node-ID in 1\.\.127",
     ENCODER + "nod = 5\n": r"^text:4: \[encoder a\]: f3668: nod=5: no such name",
     ENCODER + "serial = -5\n": r"^text:4: \[encoder a\]: f3668: serial=-5: expected 0\.\.",
-    "[bus b]\nwire = slcan\npace = 2\n" + ENCODER.replace("wire = slcan", "bus = b"): r"^text:3: \[bus b\]: pace=2: 0 or 1 is right",
-    ENCODER + "pace = 2\n": r"^text:4: \[encoder a\]: pace=2: 0 or 1 is right",
-    ENCODER.replace("slcan", "silkit:silkit://a:1,b") + "step_us = 0\n": r"a number in 1\.\.1000000 us is right",
+    "[bus b]\nwire = slcan\npace = 2\n" + ENCODER.replace("wire = slcan", "bus = b"): r"^text:3: \[bus b\]: pace=2: expected 0 or 1",
+    ENCODER + "pace = 2\n": r"^text:4: \[encoder a\]: pace=2: expected 0 or 1",
+    ENCODER.replace("slcan", "silkit:silkit://a:1,b") + "step_us = 0\n": r"expected a number in 1\.\.1000000 us",
     ENCODER + "nvm = bad.nvm\n": r"^text:4: \[encoder a\]: the image: ",
     "[shaft a]\nmotion = fast\n": "^text:2: motion fast: .* FILE.csv$",
     "model = f3668\n": "^text:1: model: stands before the first section; ",

@@ -83,7 +83,7 @@ static void obey(struct master *self, char *line)
             return;
         }
     }
-    give_up("say, hear, pass or order is right", word);
+    give_up("expected say, hear, pass or order", word);
 }
 
 int main(int argc, char **argv)

@@ -152,14 +152,14 @@ static void test_headers_that_are_near(void **state)
         const char *line;
         const char *near;
     } rows[] = {
-        {"SYST:ERR:CUNT?", "near is SYSTem:ERRor:COUNt?"},
-        {"TIME:SCLE?", "near is TIME:SCALe?"},
-        {"TIME:ORGIN?", "near is TIME:ORIGin?"},
-        {"WORL:TEMP:PROF:STT?", "near is WORLd:TEMPerature:PROFile:STATe?"},
-        {"WORL:LED:CURR:PRF?", "near is WORLd:LED:CURRent:PROFile?"},
-        {"WORL:TEMP:X?", "near is WORLd:TEMPerature?"},
-        {"FAUL:ST x", "near is FAULt:SET NAME"},
-        {"PO?", "near is POWer?"},
+        {"SYST:ERR:CUNT?", "closest is SYSTem:ERRor:COUNt?"},
+        {"TIME:SCLE?", "closest is TIME:SCALe?"},
+        {"TIME:ORGIN?", "closest is TIME:ORIGin?"},
+        {"WORL:TEMP:PROF:STT?", "closest is WORLd:TEMPerature:PROFile:STATe?"},
+        {"WORL:LED:CURR:PRF?", "closest is WORLd:LED:CURRent:PROFile?"},
+        {"WORL:TEMP:X?", "closest is WORLd:TEMPerature?"},
+        {"FAUL:ST x", "closest is FAULt:SET NAME"},
+        {"PO?", "closest is POWer?"},
     };
 
     (void)state;

@@ -27,23 +27,23 @@ static const struct {
     const char *what;
     const char *right;
 } refused[] = {
-    {LINE_OF "date = 2020\n", 6, "date", "", "8 characters are right"},
-    {LINE_OF "version = 12345678901234567890\n", 6, "version", "", "0 to 19 characters are right"},
+    {LINE_OF "date = 2020\n", 6, "date", "", "expected 8 characters"},
+    {LINE_OF "version = 12345678901234567890\n", 6, "version", "", "expected 0 to 19 characters"},
     {LINE_OF "cycle = 1000\n", 6, "cycle", "only a modbus wire has it", "leave it out"},
     {LINE_OF "clock_hz = 1000\n", 6, "clock_hz", "only a sim wire has it", "leave it out"},
     {LINE_OF "supply_mv = 1x\n", 6, "supply_mv", NULL, NULL},
-    {WORD_OF "code = grey\n", 6, "code", "", "gray or binary is right"},
-    {WORD_OF "parity = yes\n", 6, "parity", "", "none, even or odd is right"},
+    {WORD_OF "code = grey\n", 6, "code", "", "expected gray or binary"},
+    {WORD_OF "parity = yes\n", 6, "parity", "", "expected none, even or odd"},
     {WORD_OF "serial = 5\n", 6, "serial", "ssi-25 has none", "leave it out"},
     {NODE_OF "mt_bits = 12\n", 7, "mt_bits", "no such key", NULL},
     {NODE_OF "mt_bits = x.csv\n", 7, "mt_bits", "no such key", NULL},
-    {NODE_OF "node = 3\nserial = -1\n", 8, "serial", "", "a number in 0..4294967295 is right"},
+    {NODE_OF "node = 3\nserial = -1\n", 8, "serial", "", "expected a number in 0..4294967295"},
     {"[bus loop]\nwire = modbus\nbreak_at = 1000\n[encoder k]\nbus = loop\nmodel = ocd-ib-k2\n", 3,
-     "break_at", "", "a number in 0..511 is right"},
+     "break_at", "", "expected a number in 0..511"},
     {"[bus c]\nwire = sim\nclock_hz = 1\n[encoder b]\nbus = c\nmodel = ssi-25\n", 3, "clock_hz", "",
      NULL},
     {NODE_OF "temperature = x.csv\n", 7, "temperature", "there are no files here",
-     "a value is right"},
+     "expected a value"},
 };
 
 static void a_setting_is_refused_with_what_is_right(void **state)
@@ -103,7 +103,7 @@ static void a_row_of_the_host_is_listed_once(void **state)
     rig.setup.rows = give_row;
     engine_rig_make(&rig);
     assert_null(rig.engine);
-    assert_string_equal(rig.error.right, "a number in 0..9 us is right");
+    assert_string_equal(rig.error.right, "expected a number in 0..9 us");
 }
 
 #define ROWS 33u

@@ -152,8 +152,8 @@ static void a_profile_that_is_none_is_refused_in_words(void **state)
     char line[400] = "SHAF:PROF \"";
     (void)state;
     engine_rig_start(&rig, each_medium);
-    expect_refused("SHAF:PROF \"5\"", "-224,\"Illegal parameter value;'5' has no unit; 5DEG or "
-                                      "5RPM, for one, is right\"");
+    expect_refused("SHAF:PROF \"5\"", "-224,\"Illegal parameter value;'5' has no unit; expected "
+                                      "5DEG or 5RPM, for example\"");
     expect_refused("SHAF:PROF \"x.csv\"", "-256,\"File name not found;there are no files here\"");
     expect_refused("SHAF:PROF \"ramp:60RPM\"",
                    "-224,\"Illegal parameter value;a time such as 2S or "

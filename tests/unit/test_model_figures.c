@@ -121,7 +121,7 @@ static void commands_that_are_none(void **state)
         (void)snprintf(figures, sizeof figures, "base = s3674-rs485\ncommands = %s", lists[i]);
         assert_int_equal(read_model(figures), DG_ERR_ARGUMENT);
         assert_string_equal(bench.error.what, "figures that do not fit each other");
-        assert_string_equal(bench.error.right, "right is commands of 42h 43h 44h 46h 47h 49h to "
+        assert_string_equal(bench.error.right, "expected commands of 42h 43h 44h 46h 47h 49h to "
                                                "50h 52h 53h 55h 56h 57h 6Ah, as 42h,43h");
     }
 }
@@ -165,7 +165,7 @@ static void profiles_of_texts(void **state)
     assert_int_equal(dg_ib_image_words(model), 1);
     assert_null(dg_ib_stack.layout(model));
     assert_int_equal(read_model("base = ocd-ib-k3\nprofile = k4\n"), DG_ERR_ARGUMENT);
-    assert_string_equal(bench.error.right, "k1, k2 or k3 is right");
+    assert_string_equal(bench.error.right, "expected k1, k2 or k3");
 }
 
 int main(void)

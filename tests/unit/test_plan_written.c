@@ -118,7 +118,7 @@ static void addresses_of_control_have_a_host_and_a_port(void **state)
         {"unix:here", NULL},
         {"unix:", ""},
         {"tcp:ab]:5025", NULL},
-        {"serial:x", "unix:PATH or tcp:HOST:PORT is right"},
+        {"serial:x", "expected unix:PATH or tcp:HOST:PORT"},
     };
     (void)state;
     expect_rows("[rig]\ncontrol = %s\n" ENCODER, rows, DG_COUNT(rows));
@@ -148,7 +148,7 @@ static void files_are_included_from_below(void **state)
 static void what_is_wrong_with_an_encoder(void **state)
 {
     static const struct row rows[] = {
-        {"[encoder a]\nwire = pty\nmodl = s3684-rs485\n", "model = s3684-rs485 is right"},
+        {"[encoder a]\nwire = pty\nmodl = s3684-rs485\n", "expected model = s3684-rs485"},
         {"[encoder a]\nwire = pty\nmodl = nothing\n", ""},
         {"[encoder a]\nwire = pty:x:y\nmodl = nothing\n", ""},
         {"[bus c]\nwire = sim\n[encoder a]\nbus = c\nmodel = ssi-25\n[encoder b]\nbus = c\n"

@@ -216,7 +216,7 @@ static void no_way_out_of_the_folder(void **state)
         char what[64];
         (void)snprintf(text, sizeof text, "[encoder a]\nmodel = %s\nwire = slcan\n", names[i]);
         (void)snprintf(what, sizeof what, "%s is none", names[i]);
-        assert_refused(text, 2, what, "a file in the folder of this one, or below it, is right");
+        assert_refused(text, 2, what, "expected a file in the folder of this one, or below it");
         assert_string_equal(bench.asked, "");
     }
 }
@@ -247,7 +247,7 @@ static void what_is_wrong_in_it(void **state)
     (void)state;
     bench.files[1] = (struct file){.path = "lab/empty.eds", .text = "\n"};
     assert_refused("[encoder a]\nmodel = empty.eds\nwire = slcan\n", 2, "lab/empty.eds: no object",
-                   "right is an EDS or DCF file, with sections as [1000]");
+                   "expected an EDS or DCF file, with sections as [1000]");
     assert_string_equal(bench.error.key, "model");
     (void)snprintf(text, sizeof text, own, (unsigned)dg_cia406_multiturn.product_code);
     char *vendor_id = strstr(text, "0x1EB");
@@ -258,7 +258,7 @@ static void what_is_wrong_in_it(void **state)
     assert_refused("\n\n[encoder a]\nmodel = own.eds\nwire = slcan\n", 4,
                    "lab/own.eds:15: [6501] DefaultValue: not the figures of the encoder with this "
                    "identity",
-                   "right is 65536 steps, and 4096 turns or one");
+                   "expected 65536 steps, and 4096 turns or one");
 }
 
 static void what_the_host_refuses(void **state)
@@ -281,12 +281,12 @@ static void what_the_rest_of_the_section_says(void **state)
     (void)state;
     bench.files[1] = (struct file){.path = "lab/five.dcf", .text = configured};
     assert_refused("[encoder a]\nmodell = vendor.eds\nwire = slcan\n", 2, "no such key",
-                   "model = vendor.eds is right");
+                   "expected model = vendor.eds");
     assert_refused("[encoder a]\nmodel = vendor.eds\nwire = pty\n", 3,
-                   "pty is no wire of acme-3600", "can or slcan or socketcand or silkit is right");
+                   "pty is no wire of acme-3600", "expected can or slcan or socketcand or silkit");
     assert_refused("[bus b]\nwire = slcan\n[encoder a]\nmodel = five.dcf\nbus = b\n"
                    "[encoder z]\nmodel = vendor.eds\nbus = b\nnode = 5\n",
-                   9, "5 is node of [encoder a] already", "node = N with another one is right");
+                   9, "5 is node of [encoder a] already", "expected node = N with another one");
 }
 
 /* Any number of large files would be any number of seconds: together they are bounded. */
@@ -305,7 +305,7 @@ static void all_texts_together(void **state)
                               "[encoder e%u]\nmodel = %u/large.eds\nwire = slcan\n", i, i);
     }
     assert_refused(text, 26, "more than 8388608 bytes in all files that are models",
-                   "less is right");
+                   "expected less");
     free(large);
 }
 

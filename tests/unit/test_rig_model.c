@@ -185,7 +185,7 @@ static void names_that_are_taken(void **state)
     assert_string_equal(bench.error.what, "line 1 has the name already");
     assert_int_equal(read_in(&bench, "[model -v]\nbase = ssi-13\n", MEMORY_SIZE), DG_ERR_ARGUMENT);
     assert_string_equal(bench.error.what, "-v looks like an option");
-    assert_string_equal(bench.error.right, "a letter, digit or '_' in front is right");
+    assert_string_equal(bench.error.right, "expected a letter, digit or '_' in front");
 }
 
 static void bases_that_are_none(void **state)
@@ -222,7 +222,7 @@ static void what_is_inherited(void **state)
     assert_false(dg_biss_model_of(dg_plan_find_model(&bench.plan, "c"))->no_eds);
     assert_false(dg_biss_model_of(dg_plan_find_model(&bench.plan, "c"))->unidirectional);
     assert_refused(&bench, "s3674-biss", "inherit = registers,banks", "registers,banks is none",
-                   "inherit = registers,eds is right");
+                   "expected inherit = registers,eds");
     assert_refused(&bench, "ssi-13", "inherit = registers",
                    "ssi-13 has nothing to inherit but figures", "leave it out");
 }
@@ -233,26 +233,26 @@ static void figures_that_are_none(void **state)
     (void)state;
     assert_refused(
         &bench, "s3684-rs485", "address = 0x41", "no figure of s3684-rs485",
-        "right is one of: base inherit title source unmodelled serial reaction_us init_ms periods steps "
-        "turns memory implemented type option version date designation "
-        "temperature_min temperature_max led_min_ma led_max_ma speed_max_rpm commands "
-        "temperature_channel led_channel vector_channel vector_min vector_max acceleration_max");
-    assert_refused(&bench, "ssi-13", "mt = 40", "", "a number in 0..32 is right");
+        "expected one of: base inherit title source unmodelled serial reaction_us init_ms periods "
+        "steps turns memory implemented type option version date designation temperature_min "
+        "temperature_max led_min_ma led_max_ma speed_max_rpm commands temperature_channel "
+        "led_channel vector_channel vector_min vector_max acceleration_max");
+    assert_refused(&bench, "ssi-13", "mt = 40", "", "expected a number in 0..32");
     assert_string_equal(bench.error.key, "mt");
     assert_string_equal(bench.error.value, "40");
-    assert_refused(&bench, "ssi-13", "code = grey", "", "gray or binary is right");
+    assert_refused(&bench, "ssi-13", "code = grey", "", "expected gray or binary");
     assert_refused(&bench, "s3674-biss", "busy_us = 1.0005", "",
-                   "a number in 0..40 us with at most 3 decimals is right");
-    assert_refused(&bench, "s3684-rs485", "date = x", "", "8 characters are right");
-    assert_refused(&bench, "s3684-rs485", "serial = ", "", "1 to 9 digits are right");
+                   "expected a number in 0..40 us with at most 3 decimals");
+    assert_refused(&bench, "s3684-rs485", "date = x", "", "expected 8 characters");
+    assert_refused(&bench, "s3684-rs485", "serial = ", "", "expected 1 to 9 digits");
 }
 
 #define FRAME_OF_SSI                                                                               \
-    "right is a frame of P and any of E T F Y, each once, 0 and 1, together at most 64 bits"
+    "expected a frame of P and any of E T F Y, each once, 0 and 1, together at most 64 bits"
 #define START_OF_CRC                                                                               \
-    "right is crc_start with as many bits as crc_poly has behind its first one, or fewer"
+    "expected crc_start with at most as many bits as crc_poly has after its first 1"
 #define FRAME_OF_BISS                                                                              \
-    "right is a frame of P and any of E W L C, each once, 0 and 1, together at most 63 bits"
+    "expected a frame of P and any of E W L C, each once, 0 and 1, together at most 63 bits"
 
 static void figures_that_do_not_fit(void **state)
 {
@@ -265,25 +265,25 @@ static void figures_that_do_not_fit(void **state)
         {"ssi-28\nframe = P E E Y", FRAME_OF_SSI},
         {"ssi-28\nframe = P E Y L", FRAME_OF_SSI},
         {"ssi-28\nmt = 32\nst = 32\nframe = P E Y", FRAME_OF_SSI},
-        {"ssi-28\nframe = P Y", "right is E in the frame and error_bit = high or low, or neither"},
-        {"ssi-13\nframe = P E", "right is E in the frame and error_bit = high or low, or neither"},
-        {"ssi-28\nframe = P E", "right is Y in the frame and parity = even or odd, or neither"},
+        {"ssi-28\nframe = P Y", "expected E in the frame and error_bit = high or low, or neither"},
+        {"ssi-13\nframe = P E", "expected E in the frame and error_bit = high or low, or neither"},
+        {"ssi-28\nframe = P E", "expected Y in the frame and parity = even or odd, or neither"},
         {"ssi-13\nparity_over = position",
-         "right is Y in the frame, which parity_over and error_parity are about"},
-        {"s3684-biss\nst = 32\nmt = 18", "right is mt and st, together at most 49"},
+         "expected Y in the frame, which parity_over and error_parity are about"},
+        {"s3684-biss\nst = 32\nmt = 18", "expected mt and st, together at most 49"},
         {"s3684-biss\nframe = E W C", FRAME_OF_BISS},
-        {"s3684-biss\nframe = P E W C", "right is L in the frame and lc = 1, or neither"},
+        {"s3684-biss\nframe = P E W C", "expected L in the frame and lc = 1, or neither"},
         {"s3684-biss\nst = 32\nmt = 14\ncrc_poly = 190D9h", FRAME_OF_BISS},
         {"s3684-biss\ncrc_start = 64", START_OF_CRC},
-        {"s3684-biss\ndevice_id = 0400C000000G", "right is device_id of 12 hexadecimal digits"},
+        {"s3684-biss\ndevice_id = 0400C000000G", "expected device_id of 12 hexadecimal digits"},
         {"s3684-biss\ncrc_poly = 25h\ncrc_start = 20h", START_OF_CRC},
         {"s3684-biss\nbusy_us = 30\nbusy_jitter_us = 30",
-         "right is busy_us and busy_jitter_us, together at most 40"},
+         "expected busy_us and busy_jitter_us, together at most 40"},
         {"s3684-rs485\nsteps = 16777216",
-         "right is periods x steps at most 16777216, with the turns 2^32; implemented 0 or "
+         "expected periods x steps at most 16777216, with the turns 2^32; implemented 0 or "
          "memory..128"},
         {"ocd-ib-k1\nsteps = 8192\nturns = 4096",
-         "right is steps x turns at most 65536 for a K1, steps from 2 on with steps_minus_one"},
+         "expected steps x turns at most 65536 for a K1, steps from 2 on with steps_minus_one"},
     };
     static struct bench bench;
     (void)state;

@@ -36,8 +36,8 @@ struct row {
 };
 #define GOOD "0,\"No error\"\n"
 #define RANGE(text) "-222,\"Data out of range;" text "\"\n"
-#define TYPE(text) "-104,\"Data type error;" text "; a number is right\"\n"
-#define SUFFIX(text, right) "-131,\"Invalid suffix;" text "; " right " is right\"\n"
+#define TYPE(text) "-104,\"Data type error;" text "; expected a number\"\n"
+#define SUFFIX(text, right) "-131,\"Invalid suffix;" text "; expected " right "\"\n"
 #define BEFORE 77 /* what a value is when a command is refused */
 
 static void check_all(enum scpi_rig_value which, const char *header, const struct row *rows,
@@ -83,11 +83,11 @@ static const struct row whole[] = {
     {"#H8000000000000000", BEFORE, RANGE("-9223372036854775808..9223372036854775807")},
     {"#H10000000000000000", BEFORE, RANGE("-9223372036854775808..9223372036854775807")},
     {"", BEFORE, "-109,\"Missing parameter;NUMBer N\"\n"},
-    {"MINI", BEFORE, TYPE("MINI")}, {"MAX 1", BEFORE, "-102,\"Syntax error;1; right is NUMBer N\"\n"}, {"abc", BEFORE, TYPE("abc")}, {"-", BEFORE, TYPE("-")},
+    {"MINI", BEFORE, TYPE("MINI")}, {"MAX 1", BEFORE, "-102,\"Syntax error;1; expected NUMBer N\"\n"}, {"abc", BEFORE, TYPE("abc")}, {"-", BEFORE, TYPE("-")},
     {".", BEFORE, TYPE(".")}, {"+.", BEFORE, TYPE("+.")}, {"--1", BEFORE, TYPE("--1")}, {"\"1\"", BEFORE, TYPE("\"\"1\"\"")},
     {"#H", BEFORE, TYPE("#H")}, {"#HG", BEFORE, TYPE("#HG")}, {"#Q8", BEFORE, TYPE("#Q8")}, {"#B2", BEFORE, TYPE("#B2")}, {"#X1", BEFORE, TYPE("#X1")},
-    {"#B12", BEFORE, "-104,\"Data type error;2\"\n"}, {"0x", BEFORE, TYPE("0x")}, {"#H1 2", BEFORE, "-102,\"Syntax error;2; right is NUMBer N\"\n"},
-    {"1.2.3", BEFORE, SUFFIX(".3", "a number alone")}, {"1E", BEFORE, SUFFIX("E", "a number alone")}, {"1E+", BEFORE, SUFFIX("E+", "a number alone")}, {"1V", BEFORE, SUFFIX("V", "a number alone")}, {"1 2", BEFORE, "-102,\"Syntax error;2; right is NUMBer N\"\n"},
+    {"#B12", BEFORE, "-104,\"Data type error;2\"\n"}, {"0x", BEFORE, TYPE("0x")}, {"#H1 2", BEFORE, "-102,\"Syntax error;2; expected NUMBer N\"\n"},
+    {"1.2.3", BEFORE, SUFFIX(".3", "a number alone")}, {"1E", BEFORE, SUFFIX("E", "a number alone")}, {"1E+", BEFORE, SUFFIX("E+", "a number alone")}, {"1V", BEFORE, SUFFIX("V", "a number alone")}, {"1 2", BEFORE, "-102,\"Syntax error;2; expected NUMBer N\"\n"},
 };
 static const struct row thousandths[] = {
     {"0.5", 500, GOOD}, {"-1.5", -1500, GOOD}, {"0.0019", 1, GOOD}, {"-0.0019", -1, GOOD}, {"5E-4", 0, GOOD}, {"1", 1000, GOOD}, {"MAX", 1000, GOOD},
@@ -105,7 +105,7 @@ static const struct row angles[] = {
     {"6000000000", 71582788266666667, GOOD}, {"-6000000000", -71582788266666666, GOOD}, {"6E9DEG", 71582788266666667, GOOD},
     {"16666666.666666666REV", 71582788266666664, GOOD},
     {"1E12", BEFORE, RANGE("-386547056640..386547056640 DEG")}, {"-1E30", BEFORE, RANGE("-386547056640..386547056640 DEG")},
-    {"90GRAD", BEFORE, SUFFIX("GRAD", "DEG or REV")}, {"90RPM", BEFORE, SUFFIX("RPM", "DEG or REV")}, {"90 DEG REV", BEFORE, "-102,\"Syntax error;REV; right is SHAFt:POSition ANGLE\"\n"}, {"REV", BEFORE, TYPE("REV")},
+    {"90GRAD", BEFORE, SUFFIX("GRAD", "DEG or REV")}, {"90RPM", BEFORE, SUFFIX("RPM", "DEG or REV")}, {"90 DEG REV", BEFORE, "-102,\"Syntax error;REV; expected SHAFt:POSition ANGLE\"\n"}, {"REV", BEFORE, TYPE("REV")},
 };
 static const struct row speeds[] = {
     {"60", 60000, GOOD}, {"60RPM", 60000, GOOD}, {"-0.001 rpm", -1, GOOD}, {"0.0009", 0, GOOD}, {"6000", 6000000, GOOD},

@@ -85,7 +85,7 @@ int ctl_find(const char *wanted, char *to, size_t size, struct lx_error *error)
     }
     if (lx_server_folder(folder, sizeof folder) != 0) {
         return lx_fail(error,
-                       "RUNTIME_DIRECTORY or XDG_RUNTIME_DIR is too long; --control ADDR is right");
+                       "RUNTIME_DIRECTORY or XDG_RUNTIME_DIR is too long; expected --control ADDR");
     }
     const int count = scandir(folder, &list, is_socket, alphasort);
     for (int i = 0; i < count; i++) {

@@ -89,7 +89,7 @@ static int refuse(const struct eds_file *self, const struct dg_eds_note *wrong,
     char place[PLACE_MAX];
     struct lx_words right = {""};
     place_note(wrong, line, place);
-    lx_words_add(&right, "right is %s", wrong->right == NULL ? "another file" : wrong->right);
+    lx_words_add(&right, "expected %s", wrong->right == NULL ? "another file" : wrong->right);
     return lx_refuse(error, right.text, "%s%s: %s%s%s", self->path, line, place,
                      place[0] == '\0' ? "" : ": ", wrong->what);
 }
@@ -155,14 +155,14 @@ void eds_file_close(struct eds_file *self)
 
 /* ---------------------------------------------------------------- telling */
 
-/* "acme.eds:12: [2000] DefaultValue=No is no number ...; right is ..." */
+/* "acme.eds:12: [2000] DefaultValue=No is no number ...; expected ..." */
 static void say_note(const struct eds_file *self, const struct dg_eds_note *note, char to[NOTE_MAX])
 {
     char line[16];
     char place[PLACE_MAX];
     place_note(note, line, place);
     (void)snprintf(to, NOTE_MAX, "%s%s:%s%s %s%s%s", self->path, line, place[0] == '\0' ? "" : " ",
-                   place, note->what, note->right == NULL ? "" : "; right is ",
+                   place, note->what, note->right == NULL ? "" : "; expected ",
                    note->right == NULL ? "" : note->right);
 }
 

@@ -292,7 +292,7 @@ int explain_command(const struct options *options)
         return EXIT_OTHER;
     }
     if (options->capture == NULL) {
-        lx_complain("explain needs a recording; right is 'drehgeber %s'", options->row->usage);
+        lx_complain("explain needs a recording; expected 'drehgeber %s'", options->row->usage);
         free(self);
         return EXIT_USAGE;
     }

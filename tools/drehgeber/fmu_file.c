@@ -456,7 +456,7 @@ static int take_version(const char *text, struct making *self)
 {
     self->version = text == NULL || strcmp(text, "3") == 0 ? 3 : 2;
     if (self->version == 2 && strcmp(text, "2") != 0) {
-        (void)lx_refuse(&self->error, "2 or 3 is right", "%s", "");
+        (void)lx_refuse(&self->error, "expected 2 or 3", "%s", "");
         return lx_about(&self->error, LX_ABOUT_KEY, "fmi", text);
     }
     return 0;
@@ -478,7 +478,7 @@ int fmu_command(const struct options *options)
     struct making self = {.version = 3};
     struct dg_plan plan;
     if (options->output == NULL) {
-        lx_complain("fmu needs --output; right is 'drehgeber %s'", options->row->usage);
+        lx_complain("fmu needs --output; expected 'drehgeber %s'", options->row->usage);
         return EXIT_USAGE;
     }
     (void)signal(SIGXFSZ, SIG_IGN); /* a limit of file sizes is an errno then, not the end */
@@ -493,7 +493,7 @@ int fmu_command(const struct options *options)
         lx_complain("fmu: %s is the rig file itself", options->output);
         status = EXIT_USAGE;
     } else if (!is_named(options->output)) {
-        lx_complain("--output %s: %s.fmu is right", options->output, options->output);
+        lx_complain("--output %s: expected %s.fmu", options->output, options->output);
         status = EXIT_USAGE;
     } else if (make(&self, &plan, options->output) != 0) {
         status = complain(&self.error, EXIT_OTHER);

@@ -11,15 +11,14 @@
 #include "trace.h"
 
 const char help_intro[] =
-    "  drehgeber run s3684-rs485 --pty=enc --shaft 60RPM --nvm enc.nvm\n"
-    "\n"
-    "makes ./enc a serial port (9600 Bd, 8E1) behind which a multiturn encoder turns\n"
-    "at 60 rpm; it prints one line, 'ready s3684-rs485 pty:/dev/pts/4', and runs\n"
-    "until Ctrl-C or SIGTERM. Ask it for its position with the bytes 40 42 02.\n";
+    "  drehgeber run s3684-rs485 --pty=enc --shaft 60RPM --nvm enc.nvm\n\n"
+    "makes ./enc a serial port (9600 Bd, 8E1) of a multiturn encoder that turns at 60\n"
+    "rpm. The command prints 'ready s3684-rs485 pty:/dev/pts/4' and runs until Ctrl-C\n"
+    "or SIGTERM. Send the bytes 40 42 02 to ask for the position.\n";
 
 const char help_motion[] =
-    "  Units: DEG REV (angle), RPM (speed), S MS (time). Positive is clockwise, time\n"
-    "  0 is when the encoder is ready. A file has lines 'time_s,angle_deg'.\n";
+    "  Units: DEG REV (angle), RPM (speed), S MS (time). Positive is clockwise. The\n"
+    "  encoder is ready at time 0. A file has lines 'time_s,angle_deg'.\n";
 
 const char help_exit[] =
     "0 after SIGTERM or SIGINT, 2 for a wrong command line or none, 1 for the rest.\n";
@@ -28,98 +27,89 @@ static const struct {
     const char *command;
     const char *text;
 } abouts[] = {
-    {"list", "A line for each model: its name, what it speaks, its resolution.\n"},
-    {"faults", "Defects are causes: the encoder finds its own codes. Of an encoder that runs\n"
-               "FAULt:CATalog? says the same, and FAULt:SET lets one happen:\n"
-               "\n"
+    {"list", "The command prints a line for each model: its name, its protocol, its\n"
+             "resolution.\n"},
+    {"faults", "A fault is a cause: you break something, and the encoder reports the matching\n"
+               "code. A running encoder lists the same faults with FAULt:CATalog?, and FAULt:SET\n"
+               "lets one happen:\n\n"
                "  drehgeber ctl 'FAUL:SET led_current_high,DUR 5S'\n"},
-    {"run", "It is there when a line 'ready MODEL WIRE:ADDRESS' is on stdout, and until\n"
-            "SIGTERM, SIGINT, SIGHUP or SIGQUIT. A rig file has shafts, gears between them,\n"
-            "wires and encoders; 'ready rig' says that all of it is there. ctl and top steer\n"
-            "what runs.\n"
-            "\n"
+    {"run", "The encoder answers once the command has printed 'ready MODEL WIRE:ADDRESS', and\n"
+            "runs until SIGTERM, SIGINT, SIGHUP or SIGQUIT. A rig file has shafts, gears\n"
+            "between them, wires and encoders; the command prints 'ready rig' when all of\n"
+            "them answer. Use ctl, top or web to control what runs.\n\n"
             "  drehgeber run s3684-rs485 --pty=enc --shaft 60RPM --nvm enc.nvm\n"
             "  drehgeber run f3668 --can vcan0 --node 1..127 --shaft 60RPM\n"
             "  drehgeber run vendor.eds --slcan --shaft 60RPM\n"
             "  drehgeber run bench.ini\n"},
-    {"check", "A line for each object that only stores, is left out or is taken otherwise than it\n"
-              "stands there, with its line in the file; the last line is the sum.\n"
-              "\n"
+    {"check", "The command prints a line for each object that only stores a value, is left out,\n"
+              "or is read differently from the file, with its line number. The last line is the\n"
+              "sum.\n\n"
               "  drehgeber check vendor.eds\n"},
-    {"eds", "An electronic data sheet as CiA 306 has it, made of the object dictionary.\n"
-            "\n"
+    {"eds", "The command makes an electronic data sheet (CiA 306) from the object dictionary.\n\n"
             "  drehgeber eds f3668 > f3668.eds\n"
-            "  drehgeber eds f3668 | drehgeber run - --slcan\n"
-            "\n"
-            "Of a file --explain says what each object does as an encoder: it is simulated,\n"
-            "stores, is constant, or is refused.\n"
-            "\n"
+            "  drehgeber eds f3668 | drehgeber run - --slcan\n\n"
+            "For a file, --explain prints what each object does in the simulated encoder: it\n"
+            "is simulated, stores a value, is constant, or is refused.\n\n"
             "  drehgeber eds vendor.eds --explain\n"},
-    {"model", "It is a text on stdout: the model's figures as a struct, and a dg_device for\n"
-              "dg_host_init() and its like. It links with the library, or with the protocol's\n"
-              "folder of its sources. An EDS file becomes rows of its dictionary.\n"
-              "\n"
+    {"model", "The command prints the model's figures as a struct, and a dg_device for\n"
+              "dg_host_init() and similar functions. Link it with the library, or with the\n"
+              "protocol's folder of the sources. An EDS file becomes rows of its dictionary.\n\n"
               "  drehgeber model rls-la11-26 --c > rls_la11_26.c\n"
               "  drehgeber model vendor.eds --c > vendor.c\n"},
-    {"biss", "The encoder is switched on, and its answers are printed.\n"
-             "\n"
+    {"biss", "The command switches the encoder on and prints its answers.\n\n"
              "  drehgeber biss s3684-biss read --shaft 90DEG --trace biss.vcd\n"
              "  drehgeber biss s3684-biss registers 0x78 8\n"
              "  drehgeber biss s3684-biss eds\n"},
-    {"ssi", "The encoder is switched on, and its word is read, once for each 'read'.\n"
-            "\n"
+    {"ssi", "The command switches the encoder on and reads its word, once for each 'read'.\n\n"
             "  drehgeber ssi ssi-25 read --shaft 90DEG --trace ssi.vcd\n"},
-    {"map", "As the coupler in front of the ring has them; of a whole ring with --ring.\n"
-            "\n"
+    {"map", "The command prints the registers of the Modbus/TCP coupler. Use --ring for a\n"
+            "ring of several encoders.\n\n"
             "  drehgeber map --ring ocd-ib-k3,ocd-ib-k1\n"},
-    {"fmu", "Shafts, what encoders sense and faults are inputs, settings are parameters.\n"
-            "Outputs are positions, signals, frames, and in FMI 3 CAN (FMI-LS-BUS) and RS485\n"
-            "as clocked binaries. Its sources are in it. Encoders of a rig file that share a\n"
-            "shaft are turned as one; its wires, motions, gears and files stay outside.\n"
-            "\n"
+    {"fmu", "Inputs of the FMU are shafts, faults and what encoders sense; settings are its\n"
+            "parameters. Outputs are positions, signals, frames, and in FMI 3 also CAN\n"
+            "(FMI-LS-BUS) and RS485 as clocked binaries. The FMU contains its sources.\n"
+            "Encoders of a rig file that share a shaft have one input for it. The FMU leaves\n"
+            "out wires, motions, gears and files of the rig.\n\n"
             "  drehgeber fmu s3684-biss --output axis.fmu\n"
             "  drehgeber fmu vendor.eds --output vendor.fmu\n"},
-    {"verify",
-     "WIRE leads to the encoder: of RS485 --tty, --pty or --rs485=tcp:HOST:PORT, of\n"
-     "CANopen --can or --slcan. Without --write nothing is changed, and without --alone\n"
-     "nothing is sent that another device would obey. A line for each clause says\n"
-     "'agrees', 'differs' or 'not seen: why'. Ends with 1 when something differs. CLAUSE\n"
-     "is one, or the beginning of several; without one all are asked. Please send the\n"
-     "file of --report in. When a run with --write was cut off, --restore puts back.\n"
-     "\n"
-     "  drehgeber verify s3684-rs485 --tty=/dev/ttyUSB0 --report s3684.txt\n"
-     "  drehgeber verify f3668 --can=can0 --node 63\n"
-     "  drehgeber verify f3668 --can=can0 --write --power ./relay\n"
-     "  drehgeber verify f3668 --can=can0 --restore\n"},
-    {"ctl", "Commands are sent, answers printed; without a command they are read from stdin.\n"
-            "Without --control the one rig that runs is meant. A number without a unit is in\n"
-            "DEG, RPM, RPM/S, MS, DEGC, MV or UA; DURation of FAULt:SET needs its unit.\n"
-            "On a terminal, control characters of an answer are shown as \\x1B; a file or\n"
-            "pipe gets the bytes. When nothing has come for 5 s, a line on stderr says so.\n"
-            "\n"
+    {"verify", "WIRE is --tty, --pty or --rs485=tcp:HOST:PORT for RS485, and --can or --slcan\n"
+               "for CANopen. Without --write, verify changes nothing. Without --alone, it sends\n"
+               "nothing that another device would obey. It prints 'agrees', 'differs' or 'not\n"
+               "seen: why' for each clause. The status is 1 when a clause differs. CLAUSE is one\n"
+               "clause, or the beginning of several; without it, verify checks all of them. When\n"
+               "a run with --write was interrupted, --restore puts back the old values. Please\n"
+               "send us your report (--report).\n\n"
+               "  drehgeber verify s3684-rs485 --tty=/dev/ttyUSB0 --report s3684.txt\n"
+               "  drehgeber verify f3668 --can=can0 --node 63\n"
+               "  drehgeber verify f3668 --can=can0 --write --power ./relay\n"
+               "  drehgeber verify f3668 --can=can0 --restore\n"},
+    {"ctl", "ctl sends the commands and prints the answers; without a command it reads them\n"
+            "from stdin. Without --control, ctl talks to the only running rig. A number\n"
+            "without a unit is in DEG, RPM, RPM/S, MS, DEGC, MV or UA; DURation of FAULt:SET\n"
+            "needs its unit. On a terminal, ctl shows control characters of an answer as\n"
+            "\\x1B; a file or pipe gets the bytes. When no answer has come for 5 s, ctl\n"
+            "prints a line on stderr.\n\n"
             "  drehgeber ctl 'SHAF:ACC 600RPM/S; MOVE 90DEG,120RPM; *OPC?' 'SHAF:POS?'\n"},
-    {"top", "Shafts as dials, a line for each encoder, what is on its wire. A window has at\n"
-            "least 40 columns and 10 lines; a large one shows more. Without an address the\n"
-            "one rig that runs is meant. There are no colours when NO_COLOR is set.\n"},
-    {"web", "Prints 'ready web http://127.0.0.1:8080/#token=...', and serves that page until\n"
-            "SIGTERM, SIGINT or SIGHUP: shafts, encoders, LEDs, what is on their wires,\n"
-            "faults to click, a prompt. Without an address the one rig that runs is meant.\n"
-            "Whoever has the token steers the rig; with --watch they only see it.\n"
-            "\n"
+    {"top", "top shows shafts as dials, a line for each encoder, and what is on its wire. The\n"
+            "window needs at least 40 columns and 10 lines; a large one shows more. Without\n"
+            "an address, top shows the only running rig. When NO_COLOR is set, top uses no\n"
+            "colours.\n"},
+    {"web", "web prints 'ready web http://127.0.0.1:8080/#token=...' and serves that page\n"
+            "until SIGTERM, SIGINT or SIGHUP. The page shows shafts, encoders, LEDs and\n"
+            "wires, and has faults to click and a prompt. Without an address, it shows the\n"
+            "only running rig. A user who has the token can control the rig; with --watch the\n"
+            "page only shows it.\n\n"
             "  drehgeber web --listen 127.0.0.1:0 --watch\n"},
-    {"explain",
-     "CAPTURE is a log of candump, pcapng or pcap (SocketCAN), a VCD file or a session of\n"
-     "sigrok (RS485, BiSS, SSI), or a serial log: lines 'SECONDS < BYTES' of what went to\n"
-     "the encoder, with > what came. Each message is a line: when, which way, what it\n"
-     "means, [chapter].\n"
-     "\n"
-     "With --against the master's side is replayed into MODEL at its moments, and what\n"
-     "the encoder said otherwise is printed: bytes that came, bytes of the model.\n"
-     "Positions are taken from CAPTURE. The status is 1 when there is a difference.\n"
-     "\n"
-     "  drehgeber explain bus.log\n"
-     "  drehgeber explain bus.log --against=f3668 --node=63\n"},
-    {"help", "Behind a command, --help says the same and starts nothing.\n"},
+    {"explain", "CAPTURE is a log of candump, a pcapng or pcap file (SocketCAN), a VCD file or a\n"
+                "sigrok session (RS485, BiSS, SSI), or a serial log. A serial log has lines\n"
+                "'SECONDS < BYTES' for bytes to the encoder, with > for its answers. explain\n"
+                "prints a line for each message: time, direction, meaning, [chapter].\n\n"
+                "With --against, explain sends the master's messages to MODEL at their recorded\n"
+                "times, and prints each answer that differs: the recorded bytes and those of the\n"
+                "model. Positions come from CAPTURE. The status is 1 when an answer differs.\n\n"
+                "  drehgeber explain bus.log\n"
+                "  drehgeber explain bus.log --against=f3668 --node=63\n"},
+    {"help", "--help after a command prints the same text and starts nothing.\n"},
 };
 
 const char *help_about(const char *command)
@@ -355,7 +345,7 @@ static void print_senses(const struct command_row *row, const struct lx_stack *s
 
 static void print_factory(void)
 {
-    (void)fputs("  (factory) is burnt into a new --nvm file; an existing one has to agree.\n",
+    (void)fputs("  (factory): a new --nvm file gets this value; an existing one must have it.\n",
                 stdout);
 }
 
@@ -381,7 +371,9 @@ static void print_models(void)
 
 static void print_everything(void)
 {
-    (void)printf("drehgeber - be an absolute encoder, byte for byte\n\n%s\n", help_intro);
+    (void)printf("drehgeber - simulate absolute encoders, byte for byte\n\n"
+                 "%s\n",
+                 help_intro);
     for (size_t i = 0; i < command_row_count; i++) {
         print_command(&command_rows[i]);
     }

@@ -42,7 +42,7 @@ static int eds(const struct options *options)
 {
     const struct dg_device *device = options->device;
     if (options->explain != eds_file_is(options->model)) {
-        lx_complain("eds explains files, and prints those of models; right is 'drehgeber eds "
+        lx_complain("eds explains files, and prints those of models; expected 'drehgeber eds "
                     "FILE.eds --explain' or 'drehgeber eds MODEL'");
         return EXIT_USAGE;
     }
@@ -63,7 +63,7 @@ static int eds(const struct options *options)
 static int check(const struct options *options)
 {
     if (!eds_file_is(options->model)) {
-        lx_complain("check needs an EDS or DCF file; right is 'drehgeber check FILE.eds'");
+        lx_complain("check needs an EDS or DCF file; expected 'drehgeber check FILE.eds'");
         return EXIT_USAGE;
     }
     return printed(eds_file_check(options->model));
@@ -101,7 +101,7 @@ static int map(const struct options *options)
     struct dg_plan plan;
     struct lx_error error;
     if (options->ring == NULL && (device == NULL || device->stack != &dg_ib_stack)) {
-        lx_complain("map needs an INTERBUS model; right is 'drehgeber map ocd-ib-k3' or 'map "
+        lx_complain("map needs an INTERBUS model; expected 'drehgeber map ocd-ib-k3' or 'map "
                     "--ring MODEL,MODEL'");
         return EXIT_USAGE;
     }
@@ -120,7 +120,7 @@ static int map(const struct options *options)
 static int top(const struct options *options)
 {
     if (options->option != NULL && options->control_count == 0) {
-        lx_complain("top takes no option --%s; right is 'drehgeber top [ADDRESS]'",
+        lx_complain("top takes no option --%s; expected 'drehgeber top [ADDRESS]'",
                     options->option);
         return EXIT_USAGE;
     }

@@ -359,7 +359,7 @@ int model_command(const struct options *options)
         return EXIT_USAGE;
     }
     if (!options->c) {
-        lx_complain("model %s does nothing; right is 'drehgeber %s'", options->model,
+        lx_complain("model %s does nothing; expected 'drehgeber %s'", options->model,
                     options->row->usage);
         return EXIT_USAGE;
     }
@@ -370,7 +370,7 @@ int model_command(const struct options *options)
         i++;
     }
     if (i == DG_COUNT(protocols)) {
-        lx_complain("%s has no figures that C can have; a model of another protocol is right",
+        lx_complain("%s has no figures that C can have; expected a model of another protocol",
                     device->name);
         return EXIT_USAGE;
     }

@@ -218,8 +218,8 @@ const struct dg_plan_model *models_find(const struct model_file *list, const cha
         const bool has = find_in(file, name) != NULL;
         const struct model_file *rival = has ? models_rival(list, file, name) : NULL;
         if (rival != NULL && rival == found) {
-            (void)lx_refuse(error, "one is right", "%s is in both %s and %s", name, rival->path,
-                            file->path);
+            (void)lx_refuse(error, "expected it in one file", "%s is in both %s and %s", name,
+                            rival->path, file->path);
             return NULL;
         }
         found = has && found == NULL ? file : found;

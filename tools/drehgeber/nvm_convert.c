@@ -146,14 +146,14 @@ static const struct nvm_kind kinds[] = {
         .differs = eds_differs,
         .convert = eds_convert,
         .whose = "another EDS file",
-        .needed = "an image in which the encoder of an EDS file has saved is right",
+        .needed = "expected an image in which the encoder of an EDS file has saved",
     },
     {
         .has = text_has,
         .differs = text_differs,
         .convert = text_convert,
         .whose = "other figures",
-        .needed = "an image of an encoder of the same protocol is right",
+        .needed = "expected an image of an encoder of the same protocol",
     },
 };
 
@@ -223,7 +223,7 @@ static int write_image(const struct lx_nvm_memory *self, const char *path, struc
 {
     FILE *stream = fopen(path, "wxe");
     if (stream == NULL) {
-        return lx_refuse(error, "the name of a new file is right", "%s: %s", path, strerror(errno));
+        return lx_refuse(error, "expected the name of a new file", "%s: %s", path, strerror(errno));
     }
     const bool whole = fwrite(self->bytes, 1, self->size, stream) == self->size;
     if (fclose(stream) != 0 || !whole) {
@@ -262,7 +262,7 @@ int nvm_convert(struct dg_plan *plan, const char *path, const struct lx_say *say
     struct lx_nvm_memory from = {.bytes = NULL};
     struct lx_nvm_memory to = {.bytes = NULL};
     if (!is_convertible(plan)) {
-        (void)lx_refuse(error, "'run FILE --nvm OLD --nvm-convert NEW' is right", "%s", "");
+        (void)lx_refuse(error, "expected 'run FILE --nvm OLD --nvm-convert NEW'", "%s", "");
         return lx_about(error, LX_ABOUT_KEY, "nvm-convert", path);
     }
     struct dg_plan_encoder *encoder = &plan->encoders[0];

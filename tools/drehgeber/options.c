@@ -177,10 +177,10 @@ static int unknown_command(struct options *self, const char *value, const char *
     const struct command_row *near = command_near(value);
     struct lx_words right = valid_commands();
     if (is_runnable(value) || (near == NULL && is_runnable(next))) {
-        (void)snprintf(right.text, sizeof right.text, "'drehgeber run %s' is right",
+        (void)snprintf(right.text, sizeof right.text, "expected 'drehgeber run %s'",
                        is_runnable(value) ? value : next);
     } else if (near != NULL) {
-        (void)snprintf(right.text, sizeof right.text, "near is 'drehgeber %s'", near->usage);
+        (void)snprintf(right.text, sizeof right.text, "closest is 'drehgeber %s'", near->usage);
     }
     return lx_refuse(&self->error, right.text, "unknown command %s", value);
 }
@@ -191,14 +191,14 @@ static int superfluous(struct options *self, const char *value)
     const bool link = self->wire != NULL && self->where == NULL && lx_wire_is_optional(self->wire);
     struct lx_words right = {""};
     if (link) {
-        lx_words_add(&right, "--%s=%s is right", self->wire->name, value);
+        lx_words_add(&right, "expected --%s=%s", self->wire->name, value);
     } else if (self->command == COMMAND_RUN) {
-        lx_words_add(&right, "right is one model, or 'drehgeber run RIG.ini' with one encoder in "
+        lx_words_add(&right, "expected one model, or 'drehgeber run RIG.ini' with one encoder in "
                              "each [encoder NAME]");
     } else if (self->command == COMMAND_EDS) {
-        lx_words_add(&right, "'drehgeber eds %s > %s' is right", self->model, value);
+        lx_words_add(&right, "expected 'drehgeber eds %s > %s'", self->model, value);
     } else {
-        lx_words_add(&right, "'drehgeber %s' is right", self->row->usage);
+        lx_words_add(&right, "expected 'drehgeber %s'", self->row->usage);
     }
     return lx_refuse(&self->error, right.text, "superfluous argument %s", value);
 }
@@ -275,13 +275,12 @@ static const struct {
 /* An empty one is most likely an empty variable of a script. */
 static error_t take_text(struct options *self, int key, size_t offset, const char *value)
 {
-    struct lx_words right = {""};
+    struct lx_words right = {"expected "};
     memcpy((char *)self + offset, &value, sizeof value);
     if (*value != '\0') {
         return 0;
     }
     add_option(&right, row_with(self, key));
-    lx_words_add(&right, " is right");
     (void)lx_refuse(&self->error, right.text, "--%s: empty", row_with(self, key)->name);
     return EINVAL;
 }
@@ -402,9 +401,9 @@ static int unknown_option(struct options *self)
     const struct command_row *command = command_find(self->culprit + strspn(self->culprit, "-"));
     struct lx_words right = {""};
     if (command != NULL) {
-        lx_words_add(&right, "'drehgeber %s' is right", command->usage);
+        lx_words_add(&right, "expected 'drehgeber %s'", command->usage);
     } else if (near != NULL) {
-        lx_words_add(&right, "near is ");
+        lx_words_add(&right, "closest is ");
         add_option(&right, near);
     } else {
         lx_words_add(&right, "valid:");
@@ -428,7 +427,7 @@ static int explain_culprit(struct options *self)
     if (row->arg == NULL) {
         return lx_fail(&self->error, "%s: --%s takes no value", self->culprit, row->name);
     }
-    lx_words_add(&right, "right is ");
+    lx_words_add(&right, "expected ");
     add_option(&right, row);
     return lx_refuse(&self->error, right.text, "--%s without a value", row->name);
 }
@@ -458,7 +457,7 @@ static int check_command(struct options *self)
     }
     const struct argp_option *option = not_taken(self);
     if (option != NULL) {
-        (void)snprintf(right.text, sizeof right.text, "right is 'drehgeber %s'", self->row->usage);
+        (void)snprintf(right.text, sizeof right.text, "expected 'drehgeber %s'", self->row->usage);
         return lx_refuse(&self->error, right.text, "%s takes no option --%s", self->row->name,
                          option->name);
     }
@@ -519,7 +518,7 @@ int options_parse(struct options *self, int argc, char **argv)
 /* "--pty[=LINK] or --tty DEV" */
 static struct lx_words right_wires(const struct lx_stack *stack)
 {
-    struct lx_words right = {"right is"};
+    struct lx_words right = {"expected"};
     const char *between = " ";
     for (size_t i = 0; i < dg_plan_wire_count; i++) {
         if (dg_plan_carries(&dg_plan_wires[i], stack->core)) {

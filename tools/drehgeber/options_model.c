@@ -31,7 +31,7 @@ static void read_model(struct options *self)
 /* One of the models of --model. */
 static void choose_model(struct options *self)
 {
-    struct lx_words right = {"right is one of:"};
+    struct lx_words right = {"expected one of:"};
     if (!read_file(self, self->models)) {
         return;
     }

@@ -194,7 +194,7 @@ static int plan_ring(const struct options *options, struct dg_plan *plan, struct
             return -1;
         }
         if (plan->encoder_count == most) {
-            (void)lx_refuse(error, "fewer are right", "more than %lu devices", (unsigned long)most);
+            (void)lx_refuse(error, "expected fewer", "more than %lu devices", (unsigned long)most);
             return lx_about(error, LX_ABOUT_KEY, "ring", "...");
         }
         struct dg_plan_encoder *encoder =
@@ -239,8 +239,9 @@ static int take_nodes(const char *text, const struct dg_device *device, struct n
     }
     if (end == NULL || *end != '\0' || nodes->first < row->min || nodes->last < nodes->first ||
         nodes->last > row->max) {
+        dg_text_add(&right, "expected ");
         dg_plan_say_addresses(device, &right);
-        dg_text_add(&right, ", or first..last, is right");
+        dg_text_add(&right, ", or first..last");
         (void)lx_refuse(error, range, "%s", "");
         return lx_about(error, LX_ABOUT_KEY, row->name, text);
     }
@@ -293,7 +294,7 @@ static int take_controls(const struct options *options, struct dg_plan *plan,
     struct lx_access access;
     for (size_t i = 0; i < options->control_count; i++) {
         if (plan->control_count == DG_PLAN_CONTROLS_MAX) {
-            (void)lx_refuse(error, "fewer are right", "one more than %u", DG_PLAN_CONTROLS_MAX);
+            (void)lx_refuse(error, "expected fewer", "one more than %u", DG_PLAN_CONTROLS_MAX);
             return lx_about(error, LX_ABOUT_KEY, "control", options->controls[i]);
         }
         if (lx_access_parse(options->controls[i], &access, error) != 0) {
@@ -408,7 +409,7 @@ int options_plan(const struct options *self, struct dg_plan *plan, struct lx_err
         result = plan_model(self, plan, error);
     } else if (not_with_rig(self) != NULL && is_read(self)) {
         struct lx_words right = {""};
-        lx_words_add(&right, "right is its place in %s", self->model);
+        lx_words_add(&right, "set it in %s", self->model);
         result = lx_refuse(error, right.text, "--%s: not with a rig file", not_with_rig(self));
     } else {
         result = take_rig(self, plan, error);

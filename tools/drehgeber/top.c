@@ -350,8 +350,8 @@ static int take_terminal(SCREEN **screen, struct lx_error *error)
         return EXIT_OK;
     }
     (void)lx_fail(error,
-                  "TERM=%s is no terminal with a cursor that can be placed; right is "
-                  "TERM=xterm, linux, tmux, or whatever yours is",
+                  "TERM=%s is not a terminal with a cursor that can be placed; expected "
+                  "TERM=xterm, linux, tmux or your own",
                   name == NULL ? "" : name);
     return EXIT_USAGE;
 }

@@ -350,7 +350,7 @@ void top_screen_draw(const struct top_screen *self, const struct top_view *view)
     const struct layout at = layout_of(view);
     (void)erase();
     if (COLS < WIDTH_MIN || LINES < HEIGHT_MIN) {
-        top_put(0, 0, COLS, "window too small: 40x10 is right");
+        top_put(0, 0, COLS, "window too small: expected 40x10");
         (void)refresh();
         return;
     }

@@ -291,9 +291,10 @@ static bool put_back(struct verify *self)
     if (back && verify_journal_clear(self->journal)) {
         return true;
     }
-    (void)snprintf(self->result.lost, sizeof self->result.lost,
-                   "the encoder was left changed (%.400s); --restore puts it back, by %.400s",
-                   report.text, self->journal->path);
+    (void)snprintf(
+        self->result.lost, sizeof self->result.lost,
+        "the encoder does not have its old values (%.400s); --restore puts them back from %.400s",
+        report.text, self->journal->path);
     return false;
 }
 
@@ -479,7 +480,7 @@ static const struct verify_protocol *protocol_of(const struct dg_device *device)
 
 static int refuse_options(const struct options *options, struct lx_error *error)
 {
-    struct lx_words right = {"right is one of:"};
+    struct lx_words right = {"expected one of:"};
     for (size_t i = 0; i < DG_COUNT(protocols); i++) {
         for (size_t k = 0; k < dg_device_count; k++) {
             if (dg_devices[k]->stack == protocols[i]->stack) {
@@ -496,10 +497,11 @@ static int refuse_options(const struct options *options, struct lx_error *error)
 
     if ((options->journal != NULL || options->irreversible) && !options->write &&
         !options->restore) {
-        return lx_refuse(error, "right is --write with it", "without --write nothing is changed");
+        return lx_refuse(error, "expected --write as well",
+                         "without --write, verify changes nothing");
     }
     if (options->wire == NULL || options->where == NULL) {
-        return lx_refuse(error, "right is, for example, --tty=/dev/ttyUSB0 or --can=can0",
+        return lx_refuse(error, "expected --tty=/dev/ttyUSB0 or --can=can0, for example",
                          "verify needs the wire that leads to the encoder");
     }
     return 0;
@@ -557,7 +559,7 @@ static int check_words(const struct verify_result *result, struct lx_error *erro
             }
         }
         if (found == 0) {
-            return lx_refuse(error, "right is the beginning of one, such as 5.1.2 or M12-7",
+            return lx_refuse(error, "expected the beginning of one, such as 5.1.2 or M12-7",
                              "no clause %s", result->words[i]);
         }
     }

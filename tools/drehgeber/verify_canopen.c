@@ -412,7 +412,7 @@ static bool end(struct verify_encoder *base, struct cf_report *report)
 
 static int unanswered(const struct canopen *self, const char *where, struct lx_error *error)
 {
-    return lx_refuse(error, "--node says which is right, and the bus has to run at 250 kBd",
+    return lx_refuse(error, "expected its node-ID with --node, and a bus at 250 kBd",
                      "%s: node %u does not answer", where, (unsigned)self->node);
 }
 
@@ -462,7 +462,7 @@ static int measure(struct canopen *self, const char *where, struct lx_error *err
         before = now;
     }
     if (self->moves > MOVES_MAX) {
-        return lx_refuse(error, "right is a shaft at rest", "%s: the shaft turns", where);
+        return lx_refuse(error, "expected a shaft at rest", "%s: the shaft turns", where);
     }
     self->moves = 2u * self->moves + 1u;
     self->jitter = longest - shortest;
@@ -474,7 +474,7 @@ static int take_node(struct canopen *self, const char *node, struct lx_error *er
     char *end = NULL;
     const unsigned long id = node == NULL ? ROW_NODE : strtoul(node, &end, 10);
     if ((node != NULL && (end == node || *end != '\0')) || id < 1 || id > 127) {
-        return lx_refuse(error, "right is 1..127", "--node %s", node);
+        return lx_refuse(error, "expected 1..127", "--node %s", node);
     }
     self->node = (uint8_t)id;
     return 0;

@@ -55,7 +55,7 @@ int verify_frames_open(struct verify_frames *self, const char *kind, const char 
     if (strcmp(kind, "can") == 0) {
         return open_socket(self, where, error);
     }
-    return lx_refuse(error, "right is --can or --slcan", "verify cannot use --%s", kind);
+    return lx_refuse(error, "expected --can or --slcan", "verify cannot use --%s", kind);
 }
 
 int verify_frames_send(struct verify_frames *self, const struct dg_can_frame *frame)

@@ -410,7 +410,7 @@ static bool end(struct verify_encoder *base, struct cf_report *report)
 
 static int unanswered(const char *where, struct lx_error *error)
 {
-    return lx_refuse(error, "right is the wire of an encoder with address 40h, at 9600 Bd 8E1",
+    return lx_refuse(error, "expected the wire of an encoder with address 40h, at 9600 Bd 8E1",
                      "%s: nobody answers as an encoder does", where);
 }
 
@@ -466,7 +466,7 @@ static int measure(struct hiperface *self, const char *where, struct lx_error *e
         before = now;
     }
     if (self->moves > MOVES_MAX) {
-        return lx_refuse(error, "right is a shaft at rest", "%s: the shaft turns", where);
+        return lx_refuse(error, "expected a shaft at rest", "%s: the shaft turns", where);
     }
     static const uint8_t field[] = {ADDRESS, 0x4C, 0x00};
     self->has_fields = verify_hiperface_command(self, field, sizeof field, &came);

@@ -29,7 +29,7 @@ static int find_path(char *to, size_t size, struct lx_error *error)
         (void)mkdir(folder, 0700);
         (void)snprintf(folder, sizeof folder, "%s/.local/state", home);
     } else {
-        return lx_refuse(error, "--journal FILE is right", "no place for a journal");
+        return lx_refuse(error, "expected --journal=FILE", "no folder for the journal");
     }
     (void)mkdir(folder, 0700);
     (void)snprintf(to, size, "%s/" FOLDER, folder);
@@ -91,18 +91,18 @@ static bool load(struct verify_journal *self)
 static int take(struct verify_journal *self, bool dirty, struct lx_error *error)
 {
     if (flock(fileno(self->file), LOCK_EX | LOCK_NB) != 0) {
-        return lx_refuse(error, "right is another --journal for another encoder",
+        return lx_refuse(error, "expected another --journal for another encoder",
                          "%s: another run uses it", self->path);
     }
     rewind(self->file);
     const bool same = load(self);
     if (!dirty && self->count > 0) {
-        return lx_refuse(error, "--restore puts it back",
+        return lx_refuse(error, "expected --restore, which puts back the old values",
                          "%s: an earlier run has left an encoder changed", self->path);
     }
     return same ? 0
-                : lx_refuse(error, "right is the model of the run that was cut off",
-                            "%s: not of a %s", self->path, self->model);
+                : lx_refuse(error, "expected the model of the interrupted run", "%s: not of a %s",
+                            self->path, self->model);
 }
 
 int verify_journal_open(struct verify_journal *self, const char *path, bool dirty,

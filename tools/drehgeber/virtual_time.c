@@ -11,7 +11,7 @@
 #include "wire.h"
 
 #define PREFIX "virtual:"
-#define RIGHT "virtual:10MIN, virtual:2.5S or virtual:1H, for one, is right; up to 8760H"
+#define RIGHT "expected virtual:10MIN, virtual:2.5S or virtual:1H, for example; up to 8760H"
 #define PLACES 3u
 #define SPAN_MAX DG_S(8760 * 3600)
 
@@ -54,17 +54,16 @@ static bool is_virtual(const struct dg_plan_wire_kind *kind, bool stepped)
 
 static struct lx_words virtual_wires(bool stepped)
 {
-    struct lx_words right = {""};
+    struct lx_words right = {"expected "};
     size_t count = 0;
     for (size_t i = 0; i < dg_plan_wire_count; i++) {
         count += is_virtual(&dg_plan_wires[i], stepped);
     }
     for (size_t i = 0, n = 0; i < dg_plan_wire_count; i++) {
         if (is_virtual(&dg_plan_wires[i], stepped)) {
-            lx_words_item(&right, dg_plan_wires[i].name, n++, count, " and ");
+            lx_words_item(&right, dg_plan_wires[i].name, n++, count, " or ");
         }
     }
-    lx_words_add(&right, " are right");
     return right;
 }
 

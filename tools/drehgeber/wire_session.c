@@ -26,7 +26,7 @@ static int refuse_courses(const struct dg_plan_settings *settings, struct lx_err
     for (size_t i = 0; i < settings->count; i++) {
         const struct dg_plan_setting *row = &settings->list[i];
         if (dg_keys_find(&dg_world_keys, row->key) != NULL && dg_course_is(row->value)) {
-            (void)lx_refuse(error, "a value is right", "only run has courses");
+            (void)lx_refuse(error, "expected a value", "only run has courses");
             return lx_about(error, LX_ABOUT_SETTING, row->key, row->value);
         }
     }
@@ -149,7 +149,7 @@ enum dg_master_verdict wire_session_read(struct wire_session *self)
 int wire_command_usage(const struct wire_command *self, const char *what, const char *word,
                        struct lx_error *error)
 {
-    (void)lx_fail(error, "%s%s; right is %s", what, word, self->right);
+    (void)lx_fail(error, "%s%s; expected %s", what, word, self->right);
     return EXIT_USAGE;
 }
 
@@ -165,12 +165,12 @@ static bool is_right(const struct wire_command *self, const struct options *opti
         return false;
     }
     if (options->wire != NULL && !lx_wire_of(options->wire)->simulated) {
-        lx_complain("%s %s has a simulated wire; right is 'drehgeber run %s --%s %s'", self->name,
+        lx_complain("%s %s has a simulated wire; expected 'drehgeber run %s --%s %s'", self->name,
                     options->model, options->model, options->wire->name, options->where);
         return false;
     }
     if (options->word_count == 0) {
-        lx_complain("%s %s does nothing; right is %s", self->name, options->model, self->right);
+        lx_complain("%s %s does nothing; expected %s", self->name, options->model, self->right);
         return false;
     }
     return true;

@@ -33,7 +33,7 @@ int lx_access_parse(const char *text, struct lx_access *out, struct lx_error *er
     const int length = snprintf(out->token_file, sizeof out->token_file, "%s", token);
     return (size_t)length < sizeof out->token_file
                ? 0
-               : lx_fail(error, "%s: ADDRESS, ADDRESS,open, ADDRESS,token=FILE or both is right",
+               : lx_fail(error, "%s: expected ADDRESS, ADDRESS,open, ADDRESS,token=FILE or both",
                          text);
 }
 
@@ -50,8 +50,8 @@ static int check_token(const char *path, char *token, size_t n, struct lx_error 
     return good && n >= LX_ACCESS_TOKEN_MIN && n <= LX_ACCESS_TOKEN_MAX
                ? 0
                : lx_fail(error,
-                         "%s: no token; one line of %u to %u printable characters without blanks "
-                         "and quotes is right",
+                         "%s: no token; expected one line of %u to %u printable characters without "
+                         "blanks and quotes",
                          path, LX_ACCESS_TOKEN_MIN, LX_ACCESS_TOKEN_MAX);
 }
 
@@ -59,11 +59,11 @@ static int check_owner(int fd, const char *path, struct lx_error *error)
 {
     struct stat info;
     if (fstat(fd, &info) != 0 || !S_ISREG(info.st_mode)) {
-        return lx_fail(error, "%s: not a regular file; one with a token is right", path);
+        return lx_fail(error, "%s: not a regular file; expected a file with a token", path);
     }
     return info.st_uid == geteuid() && (info.st_mode & OTHERS) == 0
                ? 0
-               : lx_fail(error, "%s: others may read this token; chmod 600 is right", path);
+               : lx_fail(error, "%s: others may read this token; run chmod 600", path);
 }
 
 int lx_access_token(const char *path, char to[LX_ACCESS_TOKEN_MAX + 1u], struct lx_error *error)

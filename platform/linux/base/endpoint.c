@@ -69,13 +69,13 @@ static int check_where(const char *where, struct lx_error *error)
     const char *path = behind(where, UNIX_PREFIX);
     const char *host = behind(where, TCP_PREFIX);
     if (path != NULL && strlen(path) >= LX_UNIX_PATH_SIZE) {
-        return lx_fail(error, "%s: a path of at most %lu characters is right", where,
+        return lx_fail(error, "%s: expected a path of at most %lu characters", where,
                        (unsigned long)LX_UNIX_PATH_SIZE - 1);
     }
     if (path != NULL || (host != NULL && lx_host_port_split(host, &tcp))) {
         return 0;
     }
-    return lx_fail(error, "%s: unix:PATH or tcp:HOST:PORT is right", where);
+    return lx_fail(error, "%s: expected unix:PATH or tcp:HOST:PORT", where);
 }
 
 /* A socket for the first of the host's addresses that `use` succeeds with. */
@@ -172,15 +172,15 @@ void lx_host_port_real(struct lx_host_port *self, int fd)
 
 const char *lx_port_right(int reason)
 {
-    return reason == EACCES ? "a port from 1024 on is right, or the privilege CAP_NET_BIND_SERVICE"
+    return reason == EACCES ? "expected a port from 1024 on, or the privilege CAP_NET_BIND_SERVICE"
                             : lx_more_of(reason);
 }
 
 static int refuse(const char *where, int reason, struct lx_error *error)
 {
     return reason == EPERM ? lx_fail(error,
-                                     "%s: beyond loopback, where anybody could steer; %s,open is "
-                                     "right if that is meant",
+                                     "%s: beyond loopback, where anybody could steer; use %s,open "
+                                     "if you want that",
                                      where, where)
                            : lx_refuse(error, lx_port_right(reason), "%s: cannot listen there: %s",
                                        where, strerror(reason));
@@ -271,7 +271,7 @@ int lx_endpoint_open_serial(const char *where, struct lx_error *error)
 {
     const int fd = open(behind(where, TTY_PREFIX), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
     if (fd < 0 || make_raw(fd) != 0) {
-        (void)lx_fail(error, "%s: cannot open it: %s; the serial port of a board is right", where,
+        (void)lx_fail(error, "%s: cannot open it: %s; expected the serial port of a board", where,
                       strerror(errno));
         if (fd >= 0) {
             (void)close(fd);

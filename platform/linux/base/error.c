@@ -50,9 +50,9 @@ __attribute__((format(printf, 3, 0))) static int refuse_v(struct lx_error *error
 const char *lx_more_of(int reason)
 {
     if (reason == EMFILE) {
-        return "more open files are right: ulimit -Hn, of a service LimitNOFILE=";
+        return "raise the limit of open files: ulimit -Hn, or LimitNOFILE= of a service";
     }
-    return reason == ENFILE ? "a higher fs.file-max is right" : NULL;
+    return reason == ENFILE ? "raise fs.file-max" : NULL;
 }
 
 int lx_fail(struct lx_error *error, const char *format, ...)

@@ -109,11 +109,10 @@ static int refuse_below(const struct lx_folder *folder, const char *path, int re
                         struct lx_error *error)
 {
     if (folder->fd < 0) {
-        return lx_fail(
-            error, "no files for clients of TCP; files = DIR in [rig], or that option, is right");
+        return lx_fail(error, "no files for clients of TCP; set files = DIR in [rig], or --files");
     }
     if (reason == EXDEV || reason == ELOOP) {
-        return lx_fail(error, "%.36s: not in the folder for files; a name below it is right", path);
+        return lx_fail(error, "%.36s: not in the folder for files; expected a name below it", path);
     }
     return lx_fail(error, "%.48s: %s", path, strerror(reason));
 }
@@ -174,7 +173,7 @@ static int keep_off(int fd, const char *path, struct lx_error *error)
     if (fstat(fd, &info) != 0 || !S_ISREG(info.st_mode) || lx_file_hold(fd) != EAGAIN) {
         return 0;
     }
-    return lx_fail(error, "%s: in use already; another file is right", path);
+    return lx_fail(error, "%s: in use already; expected another file", path);
 }
 
 static int open_wanted(struct lx_file *self, const struct lx_file_wanted *wanted,
@@ -191,7 +190,7 @@ static int open_wanted(struct lx_file *self, const struct lx_file_wanted *wanted
     }
     return reason != EEXIST
                ? refuse_below(wanted->folder, path, reason, error)
-               : lx_fail(error, "%.36s: there already, not to be replaced; a new name is right",
+               : lx_fail(error, "%.36s: there already, not to be replaced; expected a new name",
                          path);
 }
 
@@ -306,7 +305,7 @@ FILE *lx_file_read(const struct lx_folder *folder, const char *path, struct lx_e
         return NULL;
     }
     if (fstat(fd, &info) != 0 || !S_ISREG(info.st_mode)) {
-        (void)lx_fail(error, "%s: not a regular file; one is right", path);
+        (void)lx_fail(error, "%s: expected a regular file", path);
         (void)close(fd);
         return NULL;
     }

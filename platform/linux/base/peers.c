@@ -356,8 +356,8 @@ static int refuse(const struct lx_peers_where *where, int reason, struct lx_erro
     char at[LX_PEERS_ADDRESS_MAX];
     struct lx_words right = {""};
     lx_host_port_print(&where->at, at, sizeof at);
-    lx_words_add(&right, "%s%s%s,open is right if that is meant", at,
-                 where->word[0] == '\0' ? "" : ",", where->word);
+    lx_words_add(&right, "use %s%s%s,open if you want that", at, where->word[0] == '\0' ? "" : ",",
+                 where->word);
     return reason == EPERM
                ? lx_refuse(error, right.text, "beyond loopback, where anybody could take part")
                : lx_refuse(error, lx_port_right(reason), "cannot listen there: %s",

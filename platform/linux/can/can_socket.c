@@ -463,11 +463,12 @@ static int explain(int reason, const char *where, struct lx_error *error)
     case EPROTONOSUPPORT:
         return lx_refuse(error, "slcan works without", "this kernel has no CAN");
     case ENODEV:
-        return lx_refuse(error, "one that 'ip link' shows is right", "no such interface");
+        return lx_refuse(error, "expected a CAN interface that 'ip link' shows",
+                         "no such interface");
     case EMEDIUMTYPE:
-        return lx_refuse(error, "one such as can0 is right", "not a CAN interface");
+        return lx_refuse(error, "expected a CAN interface such as can0", "not a CAN interface");
     case ENETDOWN:
-        lx_words_add(&right, "'ip link set %s up' is right", where);
+        lx_words_add(&right, "run 'ip link set %s up'", where);
         return lx_refuse(error, right.text, "the interface is down");
     default:
         return lx_refuse(error, lx_more_of(reason), "cannot use it: %s", strerror(reason));

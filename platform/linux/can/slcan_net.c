@@ -73,7 +73,7 @@ static size_t print(const void *own, const struct lx_can_wide *frame, dg_ns now,
 
 static const struct lx_can_dialect slcan = {
     .kind = "slcan",
-    .address = {"tcp:", "LINK, tcp:HOST:PORT or tcp:HOST:PORT,open is right", false},
+    .address = {"tcp:", "expected LINK, tcp:HOST:PORT or tcp:HOST:PORT,open", false},
     .own_size = sizeof(struct lx_slcan_channel),
     .byte = take_byte,
     .is_open = is_open,

@@ -50,7 +50,7 @@ static size_t print(const void *own, const struct lx_can_wide *frame, dg_ns now,
 
 static const struct lx_can_dialect socketcand = {
     .kind = "socketcand",
-    .address = {"", "HOST:PORT, HOST:PORT,BUS or either with ,open behind it is right", true},
+    .address = {"", "expected HOST:PORT or HOST:PORT,BUS, with or without ,open", true},
     .own_size = sizeof(struct lx_socketcand),
     .hello = lx_socketcand_hello,
     .byte = take_byte,

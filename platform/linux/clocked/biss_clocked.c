@@ -105,7 +105,7 @@ static const struct lx_clocked_protocol protocol = {
 
 /* clang-format off */
 static const struct dg_key timeout =
-    {"timeout_us", "us", offsetof(struct dg_biss_model, timeout), DG_KEY_NS, 0, 1000, TIMEOUT_MIN_US, TIMEOUT_MAX_US, NULL, "gpio: silence on MA that ends a frame; 20000 unless set"};
+    {"timeout_us", "us", offsetof(struct dg_biss_model, timeout), DG_KEY_NS, 0, 1000, TIMEOUT_MIN_US, TIMEOUT_MAX_US, NULL, "gpio: a pause on MA of this length ends a frame; 20000 unless set"};
 /* clang-format on */
 
 /* Bits of a frame that are no position, with a life counter. */
@@ -118,14 +118,14 @@ static int check(const void *settings, struct lx_error *error)
     const unsigned bits = (unsigned)model->multiturn_bits + model->singleturn_bits;
     const unsigned around = model->form == NULL ? USUAL_AROUND : model->form->around;
     if (bits + around > DG_BISS_FRAME_BITS_MAX) {
-        lx_words_add(&right, "together at most %u are right", DG_BISS_FRAME_BITS_MAX - around);
+        lx_words_add(&right, "expected at most %u together", DG_BISS_FRAME_BITS_MAX - around);
         return lx_refuse(error, right.text, "mt %u and st %u", model->multiturn_bits,
                          model->singleturn_bits);
     }
     if (model->busy + model->busy_jitter <= DG_BISS_BUSY_S_MAX_NS) {
         return 0;
     }
-    lx_words_add(&right, "together at most %u is right", (unsigned)(DG_BISS_BUSY_S_MAX_NS / 1000u));
+    lx_words_add(&right, "expected at most %u together", (unsigned)(DG_BISS_BUSY_S_MAX_NS / 1000u));
     return lx_refuse(error, right.text, "busy_us %g and busy_jitter_us %g",
                      (double)model->busy / 1000.0, (double)model->busy_jitter / 1000.0);
 }

@@ -203,12 +203,12 @@ static void complain(const struct lx_gpio *self, uint64_t late, uint64_t lost)
 
     if (late > 0) {
         lx_complain("%s: the master's clock is too fast, %" PRIu64 " times %s was set later than "
-                    "half a period behind its edge; up to %" PRIu32 " Hz is right for %s",
+                    "half a period after its edge; expected at most %" PRIu32 " Hz for %s",
                     name, late, protocol->data, rate, good_for(&self->rate, text));
     }
     if (lost > 0) {
-        lx_complain("%s: edges of %s were lost, frames are damaged; a clean clock up to %" PRIu32
-                    " Hz is right for %s",
+        lx_complain("%s: edges of %s were lost, frames are damaged; expected a clean clock of at "
+                    "most %" PRIu32 " Hz for %s",
                     name, protocol->clock, rate, good_for(&self->rate, text));
     }
 }
@@ -243,7 +243,7 @@ static void report_rate(struct lx_gpio *self)
     }
     lx_note(self->setup.say,
             "%s: %s follows within %" PRIu32 " us of the kernel's time of an edge: a clock up to "
-            "%" PRIu32 " Hz is right for %s; the time before the kernel's is unknown",
+            "%" PRIu32 " Hz works for %s; the time before the kernel's is unknown",
             self->setup.name, self->setup.line->protocol->data,
             lx_gpio_rate_reaction_ns(&self->rate) / 1000u, lx_gpio_rate_hz(&self->rate),
             good_for(&self->rate, text));

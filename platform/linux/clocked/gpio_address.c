@@ -15,7 +15,7 @@
 
 #define FOLDER "/dev/"
 #define CHIP "gpiochip"
-#define RIGHT "CHIP:CLOCK,DATA with two offsets is right, e.g. gpiochip0:4,5"
+#define RIGHT "expected CHIP:CLOCK,DATA with two offsets, e.g. gpiochip0:4,5"
 
 /* `n` characters of decimal digits. */
 static bool parse_offset(const char *text, size_t n, unsigned *offset)
@@ -93,8 +93,8 @@ int lx_gpio_no_chip(const struct lx_gpio_address *self, int reason, struct lx_er
     case EACCES:
     case EPERM:
         return lx_refuse(error,
-                         "a user who may read and write it is right, e.g. root or one of the "
-                         "group gpio",
+                         "expected a user who may read and write it, e.g. root or one of the group "
+                         "gpio",
                          "no permission for %s", self->path);
     case ENOTTY:
     case ENODEV:
@@ -120,5 +120,5 @@ int lx_gpio_check_offsets(const struct lx_gpio_address *self, unsigned count,
     if (self->clock < count && self->data < count) {
         return 0;
     }
-    return lx_refuse(error, "offsets below that are right", "%s has %u lines", self->path, count);
+    return lx_refuse(error, "expected offsets below that", "%s has %u lines", self->path, count);
 }

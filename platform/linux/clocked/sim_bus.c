@@ -300,7 +300,7 @@ static int check_timing(const struct dg_plan_timing *timing, struct lx_error *er
     if (timing->compensate || 2u * back_ns * timing->clock_hz <= DG_S(1)) {
         return 0;
     }
-    lx_words_add(&right, "clock_hz up to %u is right", (unsigned)(DG_S(1) / (2u * back_ns)));
+    lx_words_add(&right, "expected clock_hz up to %u", (unsigned)(DG_S(1) / (2u * back_ns)));
     return lx_refuse(error, right.text,
                      "the way there and back, %u ns, is longer than half a period of %u Hz",
                      (unsigned)back_ns, timing->clock_hz);

@@ -71,7 +71,7 @@ static const struct lx_clocked_protocol protocol = {
 
 /* clang-format off */
 static const struct dg_key monoflop =
-    {"monoflop_us", "us", offsetof(struct dg_ssi_model, monoflop), DG_KEY_NS, 0, 1000, DG_SSI_MONOFLOP_MIN_NS / DG_US(1), DG_SSI_MONOFLOP_MAX_NS / DG_US(1), NULL, "silence on the clock that ends a word; gpio: 20000 unless set"};
+    {"monoflop_us", "us", offsetof(struct dg_ssi_model, monoflop), DG_KEY_NS, 0, 1000, DG_SSI_MONOFLOP_MIN_NS / DG_US(1), DG_SSI_MONOFLOP_MAX_NS / DG_US(1), NULL, "a pause of the clock of this length ends a word; gpio: 20000 unless set"};
 /* clang-format on */
 
 static int check(const void *settings, struct lx_error *error)
@@ -89,7 +89,7 @@ static int check(const void *settings, struct lx_error *error)
     if (each && bits >= least && bits <= most) {
         return 0;
     }
-    lx_words_add(&right, "together %u to %u bits are right", least, most);
+    lx_words_add(&right, "expected %u to %u bits together", least, most);
     if (!each) {
         lx_words_add(&right, ", mt 0..%u and st %u..%u", DG_SSI_MULTITURN_BITS_MAX,
                      DG_SSI_SINGLETURN_BITS_MIN, DG_SSI_SINGLETURN_BITS_MAX);

@@ -217,7 +217,7 @@ void lx_modbus_unwatch(struct lx_modbus *self)
 }
 
 static const struct lx_peers_form form = {
-    "", "HOST:PORT is right, e.g. 127.0.0.1:5020; beyond loopback HOST:PORT,open", false};
+    "", "expected HOST:PORT, e.g. 127.0.0.1:5020; beyond loopback HOST:PORT,open", false};
 
 int lx_modbus_check(const char *where, struct lx_error *error)
 {

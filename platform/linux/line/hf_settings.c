@@ -7,7 +7,7 @@ static const dg_ns sincos_usual = DG_MS(1);
 
 /* clang-format off */
 static const struct dg_key keys[] = {
-    {"sincos_us", "us", 0, DG_KEY_NS, 0, 1000, 0, 1000000, NULL, "sine and cosine in a VCD trace: time between samples; 0: none"},
+    {"sincos_us", "us", 0, DG_KEY_NS, 0, 1000, 0, 1000000, NULL, "time between samples of sine and cosine in a VCD trace; 0: no samples"},
 };
 /* clang-format on */
 
@@ -17,13 +17,13 @@ static int check_steps(const struct dg_hf_model *model, struct lx_error *error)
     const uint64_t counts = steps * model->turns;
     struct lx_words right = {""};
     if (steps > DG_HF_STEPS_PER_TURN_MAX) {
-        lx_words_add(&right, "at most %lu is right", (unsigned long)DG_HF_STEPS_PER_TURN_MAX);
+        lx_words_add(&right, "expected at most %lu", (unsigned long)DG_HF_STEPS_PER_TURN_MAX);
         return lx_refuse(error, right.text, "periods x steps is %llu", (unsigned long long)steps);
     }
     /* 42h answers with 32 bits of position. */
     return counts <= (uint64_t)1 << 32
                ? 0
-               : lx_refuse(error, "at most 4294967296 is right", "turns x periods x steps is %llu",
+               : lx_refuse(error, "expected at most 4294967296", "turns x periods x steps is %llu",
                            (unsigned long long)counts);
 }
 
@@ -32,7 +32,7 @@ static int check(const void *settings, struct lx_error *error)
     const struct dg_hf_model *model = &((const struct dg_hf_settings *)settings)->model;
     struct lx_words right = {""};
     if (model->implemented_blocks != 0 && model->implemented_blocks < model->memory_blocks) {
-        lx_words_add(&right, "%u..128 is right, or 0: as memory", model->memory_blocks);
+        lx_words_add(&right, "expected %u..128, or 0: as memory", model->memory_blocks);
         return lx_refuse(error, right.text, "implemented is %u", model->implemented_blocks);
     }
     return check_steps(model, error);

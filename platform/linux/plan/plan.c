@@ -227,7 +227,7 @@ int lx_plan_add_assignment(struct dg_plan_settings *self, const char *assignment
 {
     const size_t n = strcspn(assignment, "=");
     if (n == 0 || assignment[n] == '\0') {
-        (void)lx_refuse(error, "KEY=VALUE is right", "%s", "");
+        (void)lx_refuse(error, "expected KEY=VALUE", "%s", "");
         return lx_about(error, LX_ABOUT_SETTING, assignment, NULL);
     }
     struct dg_plan_setting *list = reallocarray(self->list, self->count + 1u, sizeof *list);

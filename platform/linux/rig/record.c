@@ -91,7 +91,7 @@ static void write_line(struct lx_record *self)
 static void write_lines(struct lx_record *self, dg_ns now, uint64_t most)
 {
     if (!self->failed && dg_elapsed(now, self->next) / self->setup.interval > BEHIND_MAX) {
-        end_early(self, "too many lines at once; a longer interval or a slower clock is right");
+        end_early(self, "too many lines at once; use a longer interval or a slower clock");
     }
     for (uint64_t i = 0; i < most && !self->failed && self->next <= now; i++) {
         write_line(self);

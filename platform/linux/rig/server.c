@@ -523,17 +523,16 @@ int lx_server_default(const char *name, char *to, size_t size, struct lx_error *
     if (lx_server_folder(folder, sizeof folder) != 0) {
         return lx_fail(
             error,
-            "RUNTIME_DIRECTORY or XDG_RUNTIME_DIR is too long; control = unix:PATH is right");
+            "RUNTIME_DIRECTORY or XDG_RUNTIME_DIR is too long; expected control = unix:PATH");
     }
     if (mkdir(folder, FOLDER_MODE) != 0 && errno != EEXIST) {
-        return lx_fail(error, "%s: cannot make the folder: %s; control = unix:PATH is right",
+        return lx_fail(error, "%s: cannot make the folder: %s; expected control = unix:PATH",
                        folder, strerror(errno));
     }
     if (lstat(folder, &info) != 0 || !S_ISDIR(info.st_mode) || info.st_uid != getuid() ||
         (info.st_mode & 0022) != 0) {
         return lx_fail(error,
-                       "%s: not a folder that only you can write to; control = unix:PATH is "
-                       "right",
+                       "%s: not a folder that only you can write to; expected control = unix:PATH",
                        folder);
     }
     const int n = snprintf(to, size, "unix:%s/%s.sock", folder, name);

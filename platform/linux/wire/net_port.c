@@ -145,7 +145,7 @@ static void on_byte(void *ctx, struct lx_peer *peer, dg_ns now, uint8_t byte, si
 
 /* --- the operations --- */
 
-#define RIGHT "rfc2217:HOST:PORT or tcp:HOST:PORT, with ,open behind it or not, is right"
+#define RIGHT "expected rfc2217:HOST:PORT or tcp:HOST:PORT, with or without ,open"
 static const struct lx_peers_form raw = {"tcp:", RIGHT, false};
 static const struct lx_peers_form rfc2217 = {"rfc2217:", RIGHT, false};
 

@@ -206,8 +206,7 @@ static int open_pty(struct lx_serial *serial, struct lx_error *error)
         return -1;
     }
     if (open_pair(self) != 0) {
-        const char *right =
-            errno == ENOSPC ? "a higher kernel.pty.max is right" : lx_more_of(errno);
+        const char *right = errno == ENOSPC ? "raise kernel.pty.max" : lx_more_of(errno);
         return lx_refuse(error, right, "cannot make a pty: %s", strerror(errno));
     }
     const int result = lx_serial_watch(serial);

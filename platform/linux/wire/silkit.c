@@ -462,13 +462,12 @@ static int refuse_to_join(const struct lx_silkit *self, struct lx_error *error)
     const char *why = self->lib.last_error();
     if (strstr(why, "already exists") != NULL) {
         struct lx_words right = {""};
-        lx_words_add(&right, "%s,%s,PARTICIPANT with another name is right", self->where.uri,
+        lx_words_add(&right, "expected %s,%s,PARTICIPANT with another name", self->where.uri,
                      self->where.network);
         return lx_refuse(error, right.text, "SIL Kit: there is a participant %s already",
                          lx_silkit_name(self));
     }
-    return lx_refuse(error, "a registry that runs there is right, e.g. sil-kit-registry",
-                     "SIL Kit: %s", why);
+    return lx_refuse(error, "start a registry there, e.g. sil-kit-registry", "SIL Kit: %s", why);
 }
 
 static void configure(const struct lx_silkit *self, char to[CONFIGURATION_MAX])

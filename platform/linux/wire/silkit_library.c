@@ -10,7 +10,7 @@
 #define VARIABLE "DREHGEBER_SILKIT_LIBRARY"
 #define USUAL "libSilKit.so"
 #define RIGHT                                                                                      \
-    "a libSilKit.so of SIL Kit 5, named by " VARIABLE " or where the dynamic linker looks, is right"
+    "expected a libSilKit.so of SIL Kit 5, named by " VARIABLE " or where the dynamic linker looks"
 
 /* Where the address of each function goes. */
 #define AT(member) offsetof(struct lx_silkit_library, member)

@@ -136,12 +136,12 @@ static void note_refused(struct lx_silkit_port *self, const struct lx_silkit_mes
     }
     if (self->packed) {
         lx_complain("SIL Kit: %s: a message of %lu bytes is left out, as are more such ones; "
-                    "packed frames are right",
+                    "expected packed frames",
                     self->topic, (unsigned long)message->id);
         return;
     }
-    lx_complain("SIL Kit: %s: a message of %lu bytes is left out, as are more such ones; %s%zu are "
-                "right",
+    lx_complain("SIL Kit: %s: a message of %lu bytes is left out, as are more such ones; expected "
+                "%s%zu",
                 self->topic, (unsigned long)message->id, one ? "" : "at most ", self->length_max);
 }
 

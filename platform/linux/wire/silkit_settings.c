@@ -9,7 +9,7 @@
 #include "drehgeber/rig_engine.h"
 #include "silkit_parts.h"
 
-#define RIGHT "silkit://HOST:PORT,NETWORK or silkit://HOST:PORT,NETWORK,PARTICIPANT is right"
+#define RIGHT "expected silkit://HOST:PORT,NETWORK or silkit://HOST:PORT,NETWORK,PARTICIPANT"
 
 /* --- addresses --- */
 
@@ -75,7 +75,7 @@ static int refuse_another(const char *first, const char *what, const struct dg_p
                           const struct dg_plan_wire *wire, struct lx_error *error)
 {
     struct lx_words right = {""};
-    lx_words_add(&right, "%s, as at the first silkit wire, is right", first);
+    lx_words_add(&right, "expected %s, as at the first silkit wire", first);
     (void)lx_refuse(error, right.text, "a rig has one %s", what);
     return lx_plan_refuse_wire(plan, wire, error);
 }

@@ -69,7 +69,7 @@ static int leave_behind(struct waiting *self, pthread_t thread, struct lx_error 
     (void)pthread_detach(thread);
     return lx_ending_asked()
                ? lx_fail(error, "SIL Kit: %s: ended before it was there", self->call.name)
-               : lx_refuse(error, "a registry and participants that run are right",
+               : lx_refuse(error, "expected a running registry and running participants",
                            "SIL Kit: %s: nobody has answered for %u s", self->call.name,
                            WAIT_MS / 1000u);
 }

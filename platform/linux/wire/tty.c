@@ -161,7 +161,7 @@ static int open_tty(struct lx_serial *serial, struct lx_error *error)
     }
     const int reason = open_device(tty_of(serial));
     if (reason == ENOTTY) {
-        return lx_refuse(error, "one such as /dev/ttyUSB0 is right", "not a serial port");
+        return lx_refuse(error, "expected a serial port such as /dev/ttyUSB0", "not a serial port");
     }
     if (reason != 0) {
         return lx_fail(error, "cannot use it at %lu Bd 8%c1: %s", (unsigned long)serial->uart.baud,

@@ -22,7 +22,7 @@ export const button = (text, onclick) => make("button", { type: "button", onclic
 export function hexadecimal(text, what) {
   const value = Number(/h$/i.test(text) ? `0x${text.slice(0, -1)}` : `0x${text.replace(/^0x/i, "")}`);
   if (!Number.isInteger(value)) {
-    throw new Error(`${what} "${text}" is no hexadecimal number: right is 6004`);
+    throw new Error(`${what} "${text}" is no hexadecimal number: expected 6004`);
   }
   return value;
 }
@@ -48,7 +48,7 @@ export const hex = (bytes) => Array.from(bytes, (byte) => byte.toString(16).toUp
 export function unhex(text) {
   const digits = text.replace(/[\s,]|0x/gi, "");
   if (!/^([0-9a-f]{2})+$/i.test(digits)) {
-    throw new Error(`"${text}" is no row of bytes: right is 40 42`);
+    throw new Error(`"${text}" is no row of bytes: expected 40 42`);
   }
   return Uint8Array.from(digits.match(/../g), (pair) => parseInt(pair, 16));
 }

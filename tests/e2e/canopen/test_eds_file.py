@@ -132,11 +132,11 @@ def test_encoders_of_a_rig_file_have_the_objects_of_theirs(tmp_path, vendor):
 
 @pytest.mark.parametrize("model, said", [
     ("missing.eds", "bench.ini:2: model: missing.eds: No such file or directory"),
-    ("/etc/vendor.eds", "bench.ini:2: model: /etc/vendor.eds is none; a file in the folder of this one, or below it, is right"),
-    ("../vendor.eds", "bench.ini:2: model: ../vendor.eds is none; a file in the folder of this one, or below it, is right"),
-    ("link.eds", "bench.ini:2: model: link.eds: not in the folder for files; a name below it is right"),
+    ("/etc/vendor.eds", "bench.ini:2: model: /etc/vendor.eds is none; expected a file in the folder of this one, or below it"),
+    ("../vendor.eds", "bench.ini:2: model: ../vendor.eds is none; expected a file in the folder of this one, or below it"),
+    ("link.eds", "bench.ini:2: model: link.eds: not in the folder for files; expected a name below it"),
     ("own.eds", "bench.ini:2: model: own.eds:{line}: [6501] DefaultValue: not the figures of the encoder with this identity; "
-                "right is 65536 steps, and 4096 turns or one"),
+                "expected 65536 steps, and 4096 turns or one"),
 ])
 def test_what_is_wrong_with_the_model_of_a_rig_file(tmp_path, model, said):
     (tmp_path / "link.eds").symlink_to("/etc/passwd")
@@ -179,16 +179,16 @@ def test_an_image_of_another_file(tmp_path, vendor):
     assert old.read_bytes() == image
     again = run("run", vendor, *live, "--nvm", old, "--nvm-convert", new)
     assert (again.returncode, again.stderr.splitlines()[-1]) == (
-        2, f"drehgeber: {new}: File exists; the name of a new file is right")
+        2, f"drehgeber: {new}: File exists; expected the name of a new file")
     (tmp_path / "bench.ini").write_text("[encoder a]\nmodel = vendor.eds\nwire = slcan\nnvm = old.nvm\n")
     assert "2001h is not in the image" in run("run", tmp_path / "bench.ini", "--time", "virtual:1MS").stderr
 
 
 @pytest.mark.parametrize("words, said", [
-    (("--nvm-convert", "NEW"), "--nvm-convert NEW: 'run FILE --nvm OLD --nvm-convert NEW' is right"),
+    (("--nvm-convert", "NEW"), "--nvm-convert NEW: expected 'run FILE --nvm OLD --nvm-convert NEW'"),
     (("--nvm", "none.nvm", "--nvm-convert", "NEW"), "none.nvm: there is no image"),
     (("--nvm", "vendor.eds", "--nvm-convert", "NEW"),
-     "vendor.eds: nothing that could be converted; an image in which the encoder of an EDS file has saved is right"),
+     "vendor.eds: nothing that could be converted; expected an image in which the encoder of an EDS file has saved"),
 ])
 def test_what_cannot_be_converted(tmp_path, vendor, words, said):
     told = run("run", "vendor.eds", "--slcan", *words, cwd=tmp_path)
@@ -204,8 +204,8 @@ def test_check_says_what_is_in_a_file(tmp_path, vendor):
     vendor.write_text(vendor.read_text() + "[2001]\nDataType=0x20\n[2002]\nDataType=5\nDefaultValue=No\nAccessType=rw\n")
     notes = run("check", vendor).stdout.splitlines()
     assert [re.sub(r"^\S+?eds:\d+: ", "", line) for line in notes[:2]] == [
-        "[2001] DataType is left out: it has no such type; right is a data type of CiA 301, 0x1 to 0x1B",
-        "[2002] DefaultValue is no number of its type, and left out; right is a number, as 7, 0x0007 or $NODEID+0x180"]
+        "[2001] DataType is left out: it has no such type; expected a data type of CiA 301, 0x1 to 0x1B",
+        "[2002] DefaultValue is no number of its type, and left out; expected a number, as 7, 0x0007 or $NODEID+0x180"]
 
 
 def test_check_counts_as_one_speaks(tmp_path):
@@ -253,7 +253,7 @@ def test_what_it_does_not_do_is_said_at_the_start(tmp_path, vendor):
     assert told[0] == ("drehgeber: x.eds: values only: 2000h 3000h 3001h 3002h 3003h 3004h 3005h 3006h and 25 more, "
                        "as 'drehgeber eds x.eds --explain' says")
     assert [re.sub(r":\d+:", ":", line) for line in told[1:4]] == [
-        f"drehgeber: x.eds: [{index}] DataType is left out: it has no such type; right is a data type of CiA 301, 0x1 to 0x1B"
+        f"drehgeber: x.eds: [{index}] DataType is left out: it has no such type; expected a data type of CiA 301, 0x1 to 0x1B"
         for index in (4000, 4001, 4002)]
     assert told[4:] == ["drehgeber: x.eds: 2 more that its encoder does not do, as 'drehgeber check x.eds' says"]
     assert run("run", vendor, *live, "--quiet").stderr == ""
@@ -285,7 +285,7 @@ def test_a_file_comes_by_stdin(tmp_path):
             assert process.stderr.read() == ""
     nothing = run("run", "-", "--slcan")
     assert (nothing.returncode, nothing.stderr) == (
-        2, "drehgeber: stdin: no object; right is an EDS or DCF file, with sections as [1000]\n")
+        2, "drehgeber: stdin: no object; expected an EDS or DCF file, with sections as [1000]\n")
 
 
 def test_commands_that_take_a_model(tmp_path, vendor):

@@ -316,12 +316,12 @@ def refused(*arguments) -> str:
 
 
 @pytest.mark.parametrize("wire, right", [
-    ("--slcan=tcp:5000", "LINK, tcp:HOST:PORT or tcp:HOST:PORT,open is right"),
-    ("--slcan=tcp:localhost:0,can0", "LINK, tcp:HOST:PORT or tcp:HOST:PORT,open is right"),
-    ("--socketcand=5000", "HOST:PORT, HOST:PORT,BUS or either with ,open behind it is right"),
-    ("--socketcand=localhost:0,a b", "HOST:PORT, HOST:PORT,BUS or either with ,open behind it is right"),
-    ("--slcan=tcp:0.0.0.0:0", "0.0.0.0:0,open is right if that is meant"),
-    ("--socketcand=0.0.0.0:0,can3", "0.0.0.0:0,can3,open is right if that is meant"),
+    ("--slcan=tcp:5000", "expected LINK, tcp:HOST:PORT or tcp:HOST:PORT,open"),
+    ("--slcan=tcp:localhost:0,can0", "expected LINK, tcp:HOST:PORT or tcp:HOST:PORT,open"),
+    ("--socketcand=5000", "expected HOST:PORT or HOST:PORT,BUS, with or without ,open"),
+    ("--socketcand=localhost:0,a b", "expected HOST:PORT or HOST:PORT,BUS, with or without ,open"),
+    ("--slcan=tcp:0.0.0.0:0", "use 0.0.0.0:0,open if you want that"),
+    ("--socketcand=0.0.0.0:0,can3", "use 0.0.0.0:0,can3,open if you want that"),
     ("--socketcand=300.0.0.1:0", "cannot listen there"),
 ])
 def test_refusals_say_what_is_right(wire, right):

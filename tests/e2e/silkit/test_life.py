@@ -35,10 +35,10 @@ def test_a_library_that_is_none(library, said):
         environment["DREHGEBER_SILKIT_LIBRARY"] = library
     line = refused(1, f"--silkit={NOBODY},CAN1", env=environment)
     assert said in line and line.endswith("libSilKit.so of SIL Kit 5, named by DREHGEBER_SILKIT_LIBRARY or where the "
-                                          "dynamic linker looks, is right")
+                                          "dynamic linker looks")
 
 
-RIGHT = "silkit://HOST:PORT,NETWORK or silkit://HOST:PORT,NETWORK,PARTICIPANT is right"
+RIGHT = "expected silkit://HOST:PORT,NETWORK or silkit://HOST:PORT,NETWORK,PARTICIPANT"
 
 
 @pytest.mark.parametrize("where", [
@@ -54,14 +54,14 @@ def test_what_is_no_address(where):
 @pytest.mark.parametrize("host", ["127.0.0.1:9", "nobody.invalid:8501"])
 def test_no_registry(host):
     line = refused(1, f"--silkit=silkit://{host},CAN1")
-    assert "SIL Kit: " in line and line.endswith("a registry that runs there is right, e.g. sil-kit-registry")
+    assert "SIL Kit: " in line and line.endswith("start a registry there, e.g. sil-kit-registry")
 
 
 @pytest.mark.parametrize("setting, said", [
-    ("time=x", "--set time=x: coordinated, autonomous or real is right"),
-    ("step_us=0", "--set step_us=0: a number in 1..1000000 us is right"),
+    ("time=x", "--set time=x: expected coordinated, autonomous or real"),
+    ("step_us=0", "--set step_us=0: expected a number in 1..1000000 us"),
     ("pace=1", "--set pace=1: "),
-    ("frames=x", "--set frames=x: can or packed is right"),
+    ("frames=x", "--set frames=x: expected can or packed"),
 ])
 def test_settings(setting, said):
     assert said in refused(2, f"--silkit={NOBODY},CAN1", "--set", setting)
@@ -73,12 +73,12 @@ def test_only_a_can_bus_has_frames():
 
 
 @pytest.mark.parametrize("buses, said", [
-    ((f"{NOBODY},A", "silkit://127.0.0.1:10,B"), f"a rig has one registry; {NOBODY}, as at the first silkit wire"),
-    ((f"{NOBODY},A,p", f"{NOBODY},B,q"), "a rig has one participant; p, as at the first silkit wire"),
-    ((f"{NOBODY},A", f"{NOBODY},B\ntime = real"), "a rig has one time; coordinated, as at the first silkit wire"),
-    ((f"{NOBODY},A\nstep_us = 5", f"{NOBODY},B\nstep_us = 6"), "a rig has one step; step_us=5, as at the first silkit wire"),
+    ((f"{NOBODY},A", "silkit://127.0.0.1:10,B"), f"a rig has one registry; expected {NOBODY}, as at the first silkit wire"),
+    ((f"{NOBODY},A,p", f"{NOBODY},B,q"), "a rig has one participant; expected p, as at the first silkit wire"),
+    ((f"{NOBODY},A", f"{NOBODY},B\ntime = real"), "a rig has one time; expected coordinated, as at the first silkit wire"),
+    ((f"{NOBODY},A\nstep_us = 5", f"{NOBODY},B\nstep_us = 6"), "a rig has one step; expected step_us=5, as at the first silkit wire"),
     ((f"{NOBODY},A\naggregate = 0", f"{NOBODY},B\naggregate = 1"),
-     "a rig has one way of sending; aggregate=0, as at the first silkit wire"),
+     "a rig has one way of sending; expected aggregate=0, as at the first silkit wire"),
     ((f"{NOBODY},A", f"{NOBODY},A"), "is the wire in line 1 already"),
 ])
 def test_wires_of_a_rig_are_in_one_simulation(tmp_path, buses, said):
@@ -94,14 +94,14 @@ def test_real_wires_are_in_no_simulation(tmp_path):
                     "[encoder b]\nmodel = s3684-rs485\nwire = tty:/dev/null\n")
     line = run_refused(2, "run", file, env=WITH_LIBRARY)
     assert "tty has real time, not that of a simulation; " in line
-    assert line.endswith("pty, rs485, sim, slcan, socketcand, silkit and modbus are right")
+    assert line.endswith("expected pty, rs485, sim, slcan, socketcand, silkit or modbus")
 
 
 def test_a_name_is_there_once(registry, rig):
     first = rig(MODEL, f"--silkit={registry.uri},CAN1")
     first.ready()
     assert refused(1, f"--silkit={registry.uri},CAN1").endswith(
-        f"SIL Kit: there is a participant {MODEL} already; {registry.uri},CAN1,PARTICIPANT with another name is right")
+        f"SIL Kit: there is a participant {MODEL} already; expected {registry.uri},CAN1,PARTICIPANT with another name")
     second = rig(MODEL, f"--silkit={registry.uri},CAN1,other")
     second.ready()
     assert (first.end(), second.end()) == (0, 0)

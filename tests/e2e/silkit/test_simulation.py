@@ -125,7 +125,7 @@ def test_what_is_no_packed_frames_is_said_once(registry, tmp_path, rig, join, me
     assert program.wait() == 0
     assert program.errors.so_far() == [
         f"drehgeber: SIL Kit: CAN1/frames/to: a message of {len(message)} bytes is left out, as are more such ones; "
-        "packed frames are right", "drehgeber: SIL Kit: the simulation has ended"]
+        "expected packed frames", "drehgeber: SIL Kit: the simulation has ended"]
 
 
 def test_sdo_and_node_id_by_lss(run):
@@ -282,7 +282,7 @@ def test_wrong_lengths_are_said_once(registry, tmp_path, rig, join):
     *lines, end = program.errors.so_far()
     assert end == "drehgeber: SIL Kit: the simulation has ended"
     assert sorted(line.split(": ")[2] for line in lines) == sorted(topics)
-    assert [line for line in lines if "are right" not in line] == []
+    assert [line for line in lines if "; expected " not in line] == []
 
 
 TWO = {

@@ -101,10 +101,10 @@ def test_what_it_is_not_is_refused_by_name(words, told, tmp_path):
 
 
 @pytest.mark.parametrize(("section", "told"), [
-    ("[encoder a]\nmodel = eleven-24\nwire = pty\naddress = 0x41\n", "address: eleven-24 has none; slot = N is right"),
-    ("[encoder a]\nmodel = s3684-rs485\nwire = pty\nslot = 1\n", "slot: s3684-rs485 has none; address = N is right"),
+    ("[encoder a]\nmodel = eleven-24\nwire = pty\naddress = 0x41\n", "address: eleven-24 has none; expected slot = N"),
+    ("[encoder a]\nmodel = s3684-rs485\nwire = pty\nslot = 1\n", "slot: s3684-rs485 has none; expected address = N"),
     ("[encoder a]\nmodel = tenbit-low\nwire = sim\nslot = 1\n", "slot: tenbit-low has none; "),
-    ("[encoder a]\nmodel = eleven-24\nwire = pty\nslot = 16\n", "slot 16: a slot in 0..15 is right"),
+    ("[encoder a]\nmodel = eleven-24\nwire = pty\nslot = 16\n", "slot 16: expected a slot in 0..15"),
     ("[bus b]\nwire = pty\n[encoder a]\nmodel = eleven-24\nbus = b\n[encoder c]\nmodel = eleven-24\nbus = b\n",
      "slot: as delivered 0 is slot of [encoder a] already"),
     ("[bus b]\nwire = sim\n[encoder a]\nmodel = ssi-25\nbus = b\n[encoder c]\nmodel = tenbit-low\nbus = b\n",

@@ -131,7 +131,7 @@ void virtual_rig_connect(struct virtual_rig *self)
     static const char host[] = "127.0.0.1:";
     const char *address = strstr(lx_rig_address(self->rig, &self->rig->engine.stations[0]), host);
     if (address == NULL) {
-        give_up("a wire on a TCP port of 127.0.0.1 is right", self->name);
+        give_up("expected a wire on a TCP port of 127.0.0.1", self->name);
     }
     const struct sockaddr_in to = {
         .sin_family = AF_INET,
@@ -171,7 +171,7 @@ void virtual_rig_open(struct virtual_rig *self, const char *file, struct lx_tap_
         give_up(lx_error_line(&error).text, file);
     }
     if (self->plan.wire_count != 1 || sd_event_new(&self->event) < 0) {
-        give_up("a rig with one wire is right", file);
+        give_up("expected a rig with one wire", file);
     }
     lx_time_own();
     const struct lx_rig_setup setup = {.event = self->event, .say = &quiet, .plan = &self->plan};

@@ -37,7 +37,7 @@ static void a_file_is_a_model(void **state)
         {"/trees.ini:tree", NULL, 1 << 18},
         {"/trees.ini:bush", "trees.ini has no model 'bush'; it has tree and twig", 0},
         {"/none.ini", "none.ini: cannot open", 0},
-        {"/wrong.ini:tree", "wrong.ini:3: st 99: a number in 1..32 is right", 0},
+        {"/wrong.ini:tree", "wrong.ini:3: st 99: expected a number in 1..32", 0},
         {"/empty.ini", "empty.ini: without encoders", 0},
         {"/trees", "there is no model '", 0},
     };

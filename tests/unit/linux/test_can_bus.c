@@ -45,15 +45,15 @@ static void plans_that_cannot_be(void **state)
         const char *setting;
         const char *text;
     } rows[] = {
-        {"4294967296", NULL, "rig.ini:8: serial 4294967296: a number in 0..4294967295 is right"},
-        {"x", NULL, "rig.ini:8: serial x: a number in 0..4294967295 is right"},
+        {"4294967296", NULL, "rig.ini:8: serial 4294967296: expected a number in 0..4294967295"},
+        {"x", NULL, "rig.ini:8: serial x: expected a number in 0..4294967295"},
         {NULL, "mt_bits=16",
          "rig.ini:9: mt_bits: no such key; valid: temperature led_current_ua "
          "supply_mv battery_mv sin_amplitude_permille cos_amplitude_permille "
          "sin_offset_permille cos_offset_permille singleturn_ok "
          "multiturn_amplitude_ok multiturn_sync_ok multiturn_vector_ok "
          "eeprom_acknowledges watchdog_fired; of the wire: pace"},
-        {NULL, "eeprom_acknowledges=2", "rig.ini:9: eeprom_acknowledges=2: 0 or 1 is right"},
+        {NULL, "eeprom_acknowledges=2", "rig.ini:9: eeprom_acknowledges=2: expected 0 or 1"},
     };
     struct can_rig *self = *state;
     self->plan.file = "rig.ini";
@@ -70,7 +70,7 @@ static void plans_that_cannot_be(void **state)
     set(&self->encoder[1], NULL);
     self->encoder[1].serial = NULL;
     set(&self->encoder[0], "mt_bits=13");
-    refuse(self, "rig.ini:9: mt_bits=13: 12 or 16 is right");
+    refuse(self, "rig.ini:9: mt_bits=13: expected 12 or 16");
     set(&self->encoder[0], NULL);
 }
 

@@ -109,10 +109,10 @@ static void plans_that_cannot_be(void **state)
     self->plan.file = "rig.ini";
     set(self, "pace=2");
     assert_int_equal(can_rig_make_slcan(self, 1), -1);
-    assert_string_equal(lx_error_line(&self->error).text, "rig.ini:9: pace=2: 0 or 1 is right");
+    assert_string_equal(lx_error_line(&self->error).text, "rig.ini:9: pace=2: expected 0 or 1");
     self->plan.file = NULL; /* the command line */
     assert_int_equal(can_rig_make_slcan(self, 1), -1);
-    assert_string_equal(lx_error_line(&self->error).text, "pace=2: 0 or 1 is right");
+    assert_string_equal(lx_error_line(&self->error).text, "pace=2: expected 0 or 1");
 }
 
 /* Not before the one before it is through. The wire's own bit rate comes before the encoder's. */

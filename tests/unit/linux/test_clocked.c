@@ -257,7 +257,7 @@ static void a_line_has_no_more_encoders_than_its_protocol(void **state)
     rig.plan.wires[0].stack = dg_device_find("ssi-25")->stack;
     rig.plan.encoders[0].model = rig.plan.encoders[1].model = dg_device_find("ssi-25");
     assert_string_equal(sim_rig_refused(&rig).text,
-                        "sim: this wire is full: at most 1 encoders is right");
+                        "sim: this wire is full: expected at most 1 encoders");
     rig.event = sd_event_unref(rig.event);
     plan_rig_free(&rig.plan);
 }

@@ -66,7 +66,7 @@ static void what_are_none(void **state)
         assert_int_equal(dg_course_is(rows[i].text), rows[i].is);
         assert_int_equal(lx_course_parse(rows[i].text, &got, &error), -1);
         assert_string_equal(error.what, rows[i].said);
-        assert_string_equal(error.right, DG_COURSE_FORM " is right");
+        assert_string_equal(error.right, "expected " DG_COURSE_FORM);
     }
 }
 

@@ -236,9 +236,9 @@ static void what_does_not_fit_is_refused(void **state)
         const char *serial;
         const char *says;
     } rows[] = {
-        {"pace=2", NULL, "rig.ini:7: pace=2: 0 or 1 is right"},
+        {"pace=2", NULL, "rig.ini:7: pace=2: expected 0 or 1"},
         {"turns=70000", NULL, "rig.ini:5: turns x periods x steps"},
-        {NULL, "12a", "rig.ini:9: serial 12a: 1 to 9 digits are right"},
+        {NULL, "12a", "rig.ini:9: serial 12a: expected 1 to 9 digits"},
     };
     (void)state;
     for (size_t i = 0; i < DG_COUNT(rows); i++) {

@@ -263,22 +263,22 @@ static void values_reach_their_place(void **state)
 static void what_is_out_of_range_is_refused(void **state)
 {
     static const char *const rows[][2] = {
-        {"pace=2", "0 or 1 is right"},
-        {"line=mine", "own or any is right"},
-        {"line=", "own or any is right"},
-        {"periods=0", "a number in 1..65535 is right"},
-        {"periods=65536", "a number in 1..65535 is right"},
-        {"periods=1.5", "a number in 1..65535 is right"},
-        {"periods=", "a number in 1..65535 is right"},
-        {"periods=1e3", "a number in 1..65535 is right"},
-        {"memory=113", "a number in 1..112 blocks is right"},
-        {"type=100h", "a number in 0..255 is right"},
-        {"temperature=1000.001", "a number in -273..1000 degC with at most 3 decimals is right"},
-        {"temperature=1.0001", "a number in -273..1000 degC with at most 3 decimals is right"},
-        {"date=1207201", "8 characters are right"},
-        {"version=12345678901234567890", "0 to 19 characters are right"},
-        {"steps=16777217", "a number in 1..16777216 is right"},
-        {"init_ms=-1", "a number in 0..600000 ms is right"},
+        {"pace=2", "expected 0 or 1"},
+        {"line=mine", "expected own or any"},
+        {"line=", "expected own or any"},
+        {"periods=0", "expected a number in 1..65535"},
+        {"periods=65536", "expected a number in 1..65535"},
+        {"periods=1.5", "expected a number in 1..65535"},
+        {"periods=", "expected a number in 1..65535"},
+        {"periods=1e3", "expected a number in 1..65535"},
+        {"memory=113", "expected a number in 1..112 blocks"},
+        {"type=100h", "expected a number in 0..255"},
+        {"temperature=1000.001", "expected a number in -273..1000 degC with at most 3 decimals"},
+        {"temperature=1.0001", "expected a number in -273..1000 degC with at most 3 decimals"},
+        {"date=1207201", "expected 8 characters"},
+        {"version=12345678901234567890", "expected 0 to 19 characters"},
+        {"steps=16777217", "expected a number in 1..16777216"},
+        {"init_ms=-1", "expected a number in 0..600000 ms"},
     };
     struct bench self = bench_of("s3684-rs485");
     (void)state;
@@ -303,7 +303,7 @@ static void one_of_several_words(void **state)
         assert_int_equal(bytes[1], i);
     }
     assert_int_equal(set_value(&key, bytes, "mark", &error), -1);
-    assert_string_equal(lx_error_line(&error).text, "none, even or odd is right");
+    assert_string_equal(lx_error_line(&error).text, "expected none, even or odd");
     assert_int_equal(bytes[0], 9);
     assert_int_equal(bytes[2], 9);
     FILE *to = open_memstream(&help, &size);
@@ -352,7 +352,7 @@ static void serial_numbers_get_zeros_in_front(void **state)
     assert_string_equal(settings->model.serial, "987654321");
     for (size_t i = 0; i < DG_COUNT(bad); i++) {
         assert_int_equal(set_value(serial, self.settings, bad[i], &error), -1);
-        assert_string_equal(lx_error_line(&error).text, "1 to 9 digits are right");
+        assert_string_equal(lx_error_line(&error).text, "expected 1 to 9 digits");
     }
     assert_string_equal(settings->model.serial, "987654321");
 }
@@ -482,7 +482,7 @@ static void a_key_of_another_wire_names_those_that_have_it(void **state)
         {"f3668", "slcan", "clock_hz=1", "clock_hz=1: only a sim wire has it; leave it out"},
         {"s3684-rs485", "pty", "tear=1", "tear=1: only a modbus wire has it; leave it out"},
         {"s3684-biss", "sim", "pace=1",
-         "pace=1: only pty, tty, rs485, can, slcan, socketcand and silkit wires have it; leave it "
+         "pace=1: only pty, tty, rs485, can, slcan, socketcand or silkit wires have it; leave it "
          "out"},
     };
     (void)state;
@@ -500,16 +500,16 @@ static void whoever_is_nearest_says_where(void **state)
 {
     struct lx_error error;
     (void)state;
-    assert_int_equal(lx_refuse(&error, "2 is right", "%s is wrong", "1"), -1);
-    assert_string_equal(lx_error_line(&error).text, "1 is wrong; 2 is right");
+    assert_int_equal(lx_refuse(&error, "expected 2", "%s is wrong", "1"), -1);
+    assert_string_equal(lx_error_line(&error).text, "1 is wrong; expected 2");
     assert_int_equal(lx_about(&error, LX_ABOUT_SETTING, "a", "1"), -1);
     assert_int_equal(lx_about(&error, LX_ABOUT_WIRE, "pty", "x"), -1);
-    assert_string_equal(lx_error_line(&error).text, "a=1: 1 is wrong; 2 is right");
+    assert_string_equal(lx_error_line(&error).text, "a=1: 1 is wrong; expected 2");
     assert_int_equal(lx_stands(&error, NULL, 3), -1);
     assert_int_equal(lx_stands(&error, "r.ini", 4), -1);
     assert_int_equal(lx_stands(&error, "r.ini", 5), -1);
-    assert_string_equal(lx_error_line(&error).text, "r.ini:4: a=1: 1 is wrong; 2 is right");
-    assert_string_equal(lx_error_reason(&error).text, "1 is wrong; 2 is right");
+    assert_string_equal(lx_error_line(&error).text, "r.ini:4: a=1: 1 is wrong; expected 2");
+    assert_string_equal(lx_error_reason(&error).text, "1 is wrong; expected 2");
     (void)lx_fail(&error, "so: %s", error.what);
     assert_string_equal(lx_error_line(&error).text, "so: 1 is wrong");
     (void)lx_about(&error, LX_ABOUT_ITSELF, "", NULL);

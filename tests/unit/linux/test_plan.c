@@ -206,13 +206,13 @@ static void files_lie_beside_the_rig_file(void **state)
 #define SLCAN_BUS "[bus b]\nwire = slcan\n"
 #define AT_PORT(name, port)                                                                        \
     "[encoder " name "]\nmodel = ocd-ib-k3\nwire = modbus:127.0.0.1:" port "\n"
-#define NO_RANGE(text) "6: node " text ": a node-ID in 1..127, or FIRST..LAST, is right"
+#define NO_RANGE(text) "6: node " text ": expected a node-ID in 1..127, or FIRST..LAST"
 #define RATIO(text) "[shaft a]\n[shaft b]\ndriver = a\nratio = " text "\n"
 #define NO_RATIO(text)                                                                             \
-    "4: ratio: " text " is no ratio; TURNS:TURNS with whole numbers other than 0 is right"
+    "4: ratio: " text " is no ratio; expected TURNS:TURNS with whole numbers other than 0"
 #define NO_NAME(text)                                                                              \
-    "1: [" text "]: a name of 1 to 32 letters, digits, _ and - is right, as in [encoder a1]"
-#define NO_ENCODERS " without encoders; [encoder NAME] with model = MODEL and wire = KIND is right"
+    "1: [" text "]: expected a name of 1 to 32 letters, digits, _ and -, as in [encoder a1]"
+#define NO_ENCODERS " without encoders; expected [encoder NAME] with model = MODEL and wire = KIND"
 /* All there are, see message_of(). */
 #define MODELS "(models)"
 #define A32 "abcdefghijklmnopqrstuvwxyz012345"
@@ -226,48 +226,52 @@ static const struct {
     {"; nothing\n", NO_ENCODERS},
     {"[shaft a]\n", NO_ENCODERS},
     {"model = f3668\n",
-     "1: model: stands before the first section; [rig], [model NAME], [shaft NAME], [bus NAME] and [encoder NAME] are right"},
+     "1: model: stands before the first section; expected [rig], [model NAME], [shaft NAME], [bus "
+     "NAME] or [encoder NAME]"},
     {"\n[foo]\n",
-     "2: [foo]: no such section; [rig], [model NAME], [shaft NAME], [bus NAME] and [encoder NAME] are right"},
+     "2: [foo]: no such section; expected [rig], [model NAME], [shaft NAME], [bus NAME] or "
+     "[encoder NAME]"},
     {"[a\033[31m\177b]\n", /* what would paint the terminal */
-     "1: [a?[31m?b]: no such section; [rig], [model NAME], [shaft NAME], [bus NAME] and [encoder NAME] are right"},
+     "1: [a?[31m?b]: no such section; expected [rig], [model NAME], [shaft NAME], [bus NAME] or "
+     "[encoder NAME]"},
     {"[]\n",
-     "1: []: no such section; [rig], [model NAME], [shaft NAME], [bus NAME] and [encoder NAME] are right"},
+     "1: []: no such section; expected [rig], [model NAME], [shaft NAME], [bus NAME] or [encoder "
+     "NAME]"},
     {"[encoder]\n", NO_NAME("encoder")},
     {"[encoder a b]\n", NO_NAME("encoder a ...")},
     {"[encoder a.b]\n", NO_NAME("encoder a.b")},
     {"[encoder " A32 "6]\n", NO_NAME("encoder " A32 "6")},
-    {"[rig bench]\n", "1: [rig bench]: has no name; [rig] is right"},
+    {"[rig bench]\n", "1: [rig bench]: has no name; expected [rig]"},
     {"[encoder a\nmodel=f3668\n",
-     "1: '[encoder a' is no section; [KIND NAME] on a line of its own is right"},
+     "1: '[encoder a' is no section; expected [KIND NAME] on a separate line"},
     {"[encoder a] wire = can\n",
-     "1: '[encoder a] wire = can' is no section; [KIND NAME] on a line of its own is right"},
+     "1: '[encoder a] wire = can' is no section; expected [KIND NAME] on a separate line"},
     {"[encoder a]\nmodel ; = f3668\n",
-     "2: 'model ; = f3668' is neither [SECTION] nor KEY = VALUE; one of them is right"},
+     "2: 'model ; = f3668' is neither [SECTION] nor KEY = VALUE; expected one of them"},
     {ENCODER "so be it",
-     "4: 'so be it' is neither [SECTION] nor KEY = VALUE; one of them is right"},
+     "4: 'so be it' is neither [SECTION] nor KEY = VALUE; expected one of them"},
     {"[rig]\ncolour = red\n",
-     "2: colour: no key of [rig]; name, control, files, threads, memory and include are right"},
-    {"[rig]\nname = a b\n", "2: name: a b is none; 1 to 32 letters, digits, _ and - are right"},
+     "2: colour: no key of [rig]; expected name, control, files, threads, memory or include"},
+    {"[rig]\nname = a b\n", "2: name: a b is none; expected 1 to 32 letters, digits, _ and -"},
     {"[rig]\nname = a\n[rig]\nname = b\n",
-     "4: name: the rig is called a already; one name is right"},
-    {"[rig]\nname =\n", "2: name: empty; name = VALUE is right"},
-    {"[rig]\ncontrol = tcp\n", "2: control: tcp: unix:PATH or tcp:HOST:PORT is right"},
+     "4: name: the rig is called a already; expected one name"},
+    {"[rig]\nname =\n", "2: name: empty; expected name = VALUE"},
+    {"[rig]\ncontrol = tcp\n", "2: control: tcp: expected unix:PATH or tcp:HOST:PORT"},
     {"[rig]\ncontrol = unix:a\ncontrol = unix:b\ncontrol = unix:c\ncontrol = unix:d\ncontrol = unix:e\n",
-     "6: control: one more than 4; fewer are right"},
+     "6: control: one more than 4; expected fewer"},
     {"[shaft a]\nmotion = fast\n",
      "2: motion fast: 'fast' is not a number with a unit (DEG REV RPM S MS); valid: 0, 90DEG, 2.5REV, 60RPM, sine:90DEG,2S, ramp:3000RPM,1S[,HOLD] or FILE.csv"},
     {"[shaft a]\nmotion = ramp:3000RPM,0S\n",
      "2: motion ramp:3000RPM,0S: out of range; a ramp takes above 0 to 3600S, a sine has up to 256REV and above 0 to 86400S"},
-    {"[shaft a]\n[shaft A]\n", "2: [shaft A]: line 1 has the name already; another name is right"},
+    {"[shaft a]\n[shaft A]\n", "2: [shaft A]: line 1 has the name already; expected another name"},
     {"[shaft a]\ndriver = b\n",
-     "2: driver: no shaft b so far; the NAME of a [shaft] above is right"},
+     "2: driver: no shaft b so far; expected the NAME of a [shaft] above"},
     {"[shaft a]\ndriver = a\n",
-     "2: driver: no shaft a so far; the NAME of a [shaft] above is right"},
+     "2: driver: no shaft a so far; expected the NAME of a [shaft] above"},
     {"[shaft a]\nratio = 1:2\n",
-     "2: ratio: without a driver; driver = NAME of a [shaft] above is right"},
+     "2: ratio: without a driver; expected driver = NAME of a [shaft] above"},
     {"[shaft a]\n[shaft b]\nmotion = 60RPM\ndriver = a\n",
-     "3: motion: the driver in line 4 turns this shaft; one of them is right"},
+     "3: motion: the driver in line 4 turns this shaft; expected one of them"},
     {RATIO("0:1"), NO_RATIO("0:1")},
     {RATIO("1:0"), NO_RATIO("1:0")},
     {RATIO("1"), NO_RATIO("1")},
@@ -279,75 +283,79 @@ static const struct {
     {RATIO(":"), NO_RATIO(":")},
     {RATIO("1:"), NO_RATIO("1:")},
     {GEARS "[shaft s9]\ndriver = s8\n",
-     "19: driver: 8 gears are between s8 and what drives it; a shaft with fewer is right"},
-    {"[shaft a]\nspeed = 1\n", "2: speed: no key of [shaft]; motion, driver and ratio are right"},
+     "19: driver: 8 gears are between s8 and what drives it; expected a shaft with fewer"},
+    {"[shaft a]\nspeed = 1\n", "2: speed: no key of [shaft]; expected motion, driver or ratio"},
     {"[shaft a]\nmotion = 60RPM\nmotion = 70RPM\n",
-     "3: motion: stands in line 2 already; one of them is right"},
-    {"[bus b]\n", "1: [bus b]: without a wire; wire = pty, for one, is right"},
+     "3: motion: stands in line 2 already; expected one of them"},
+    {"[bus b]\n", "1: [bus b]: without a wire; expected a wire, for example wire = pty"},
     {"[bus b]\nwire = rope\n",
-     "2: wire: rope is no kind of wire; pty, tty, rs485, sim, gpio, can, slcan, socketcand, silkit and modbus are right"},
+     "2: wire: rope is no kind of wire; expected pty, tty, rs485, sim, gpio, can, slcan, "
+     "socketcand, silkit or modbus"},
     {"[bus b]\nwire = slcan:/x\n",
-     "2: wire: slcan:/x is a kind and an address; wire = slcan and address = /x in a line each are right"},
+     "2: wire: slcan:/x is a kind and an address; expected wire = slcan and address = /x in a line "
+     "each"},
     {"[shaft a]\nmotion = 90\n",
-     "2: motion 90: '90' has no unit; 90DEG or 90RPM, for one, is right"},
+     "2: motion 90: '90' has no unit; expected 90DEG or 90RPM, for example"},
     {"[shaft a]\nmotion = sine:90\n",
-     "2: motion sine:90: '90' has no unit; an angle such as 90DEG or 2.5REV is right"},
-    {ENCODER " = 5\n", "4: no key in front of '= 5'; KEY = VALUE is right"},
+     "2: motion sine:90: '90' has no unit; expected an angle such as 90DEG or 2.5REV"},
+    {ENCODER " = 5\n", "4: no key in front of '= 5'; expected KEY = VALUE"},
     {"[encoder a]\nmodell = f3668\nwire = slcan\n",
-     "2: modell: no such key; model = f3668 is right"},
-    {"[bus b]\nwire = can\n", "1: address: can needs an address; IFNAME is right"},
-    {"[bus b]\nwire = sim\naddress = x\n", "3: address: sim has no address; none is right"},
+     "2: modell: no such key; expected model = f3668"},
+    {"[bus b]\nwire = can\n", "1: address: can needs an address; expected IFNAME"},
+    {"[bus b]\nwire = sim\naddress = x\n", "3: address: sim has no address; expected no address"},
     {"[bus b]\nwire = pty\n",
-     "1: [bus b]: without encoders; bus = b in an [encoder NAME] is right, or no such bus"},
+     "1: [bus b]: without encoders; expected bus = b in an [encoder NAME], or no such bus"},
     {"[bus b]\nwire = pty\ncycle = 1000\n",
-     "3: cycle: no key of a pty bus; wire, address and trace are right"},
+     "3: cycle: no key of a pty bus; expected wire, address or trace"},
     {"[bus b]\nwire = modbus\ncolour = 1\n",
-     "3: colour: no key of a modbus bus; wire, address, trace, cycle, tear and break_at are right"},
+     "3: colour: no key of a modbus bus; expected wire, address, trace, cycle, tear or break_at"},
     {"[bus b]\nwire = slcan\ncycle = 1000\n",
-     "3: cycle: no key of a slcan bus; wire, address, trace and pace are right"},
+     "3: cycle: no key of a slcan bus; expected wire, address, trace or pace"},
     {"[bus b]\nwire = pty\naddress = x\n[bus c]\nwire = slcan\naddress = x\n",
-     "6: address: x is the wire in line 1 already; another address is right"},
+     "6: address: x is the wire in line 1 already; expected another address"},
     {"[encoder a]\nmodel = s3684-rs485\nwire = pty:x\n"
      "[encoder b]\nmodel = s3684-rs485\nwire = pty:x\n",
-     "6: wire: x is the wire in line 1 already; another address, or [bus NAME] with wire = pty and "
-     "address = x, and bus = NAME in both encoders, is right"},
+     "6: wire: x is the wire in line 1 already; expected another address, or [bus NAME] with wire "
+     "= pty and address = x, and bus = NAME in both encoders"},
     {"[encoder a]\nmodel = s3684-rs485\nwire = pty:x\n"
      "[encoder b]\nmodel = f3668\nwire = slcan:x\n",
-     "6: wire: x is the wire in line 1 already; another address is right"},
+     "6: wire: x is the wire in line 1 already; expected another address"},
     {AT_PORT("a", "05") AT_PORT("b", "05"),
-     "6: wire: 127.0.0.1:05 is the wire in line 1 already; another address, or [bus NAME] with wire = modbus and "
-     "address = 127.0.0.1:05, and bus = NAME in both encoders, is right"},
+     "6: wire: 127.0.0.1:05 is the wire in line 1 already; expected another address, or [bus NAME] "
+     "with wire = modbus and address = 127.0.0.1:05, and bus = NAME in both encoders"},
     {"[bus b]\nwire = modbus\n[bus c]\nwire = modbus\n",
-     "3: address: 127.0.0.1:5020 is the wire in line 1 already; another address is right"},
+     "3: address: 127.0.0.1:5020 is the wire in line 1 already; expected another address"},
     {"[bus b]\nwire = pty\ntrace = x.vcd\n[bus c]\nwire = pty\ntrace = x.vcd\n",
-     "6: trace: x.vcd is of the wire in line 1 already; another file is right"},
+     "6: trace: x.vcd is of the wire in line 1 already; expected another file"},
     {"[bus b]\nwire = pty\n[bus B]\nwire = pty\n",
-     "3: [bus B]: line 1 has the name already; another name is right"},
+     "3: [bus B]: line 1 has the name already; expected another name"},
     {"[encoder a]\nwire = pty\n",
-     "1: [encoder a]: without a model; model = MODEL is right, one of: " MODELS},
+     "1: [encoder a]: without a model; expected model = MODEL, one of: " MODELS},
     {"[encoder a]\nmodel = s3685\nwire = pty\n",
-     "2: model: s3685 is none; right is one of: " MODELS},
+     "2: model: s3685 is none; expected one of: " MODELS},
     {"[encoder a]\nmodel = f3668\n",
-     "1: [encoder a]: without a wire; bus = NAME of a [bus] above, or wire = KIND or KIND:ADDRESS is right"},
+     "1: [encoder a]: without a wire; expected bus = NAME of a [bus] above, or wire = KIND or "
+     "KIND:ADDRESS"},
     {"[bus b]\nwire = slcan\n" ENCODER "bus = b\n",
-     "6: [encoder a]: a bus and a wire; bus = NAME of a [bus] above, or wire = KIND or KIND:ADDRESS is right"},
-    {ON_BUS("a"), "3: bus: no bus b so far; the NAME of a [bus] above is right"},
+     "6: [encoder a]: a bus and a wire; expected bus = NAME of a [bus] above, or wire = KIND or "
+     "KIND:ADDRESS"},
+    {ON_BUS("a"), "3: bus: no bus b so far; expected the NAME of a [bus] above"},
     {ENCODER "[encoder b]\nmodel = f3668\nbus = a\n",
-     "6: bus: no bus a so far; the NAME of a [bus] above is right"},
+     "6: bus: no bus a so far; expected the NAME of a [bus] above"},
     {"[encoder a]\nmodel = f3668\nwire = pty\n",
-     "3: wire: pty is no wire of f3668; can or slcan or socketcand or silkit is right"},
-    {"[encoder a]\nmodel = f3668\nwire = can\n", "3: wire: can needs an address; IFNAME is right"},
+     "3: wire: pty is no wire of f3668; expected can or slcan or socketcand or silkit"},
+    {"[encoder a]\nmodel = f3668\nwire = can\n", "3: wire: can needs an address; expected IFNAME"},
     {"[bus b]\nwire = pty\n" ON_BUS("a"),
-     "5: bus: pty is no wire of f3668; can or slcan or socketcand or silkit is right"},
+     "5: bus: pty is no wire of f3668; expected can or slcan or socketcand or silkit"},
     {"[bus b]\nwire = sim\n" ON_SIM("a") "[encoder c]\nmodel = ssi-25\nbus = b\n",
-     "8: bus: b has encoders of another protocol; another bus is right"},
-    {ENCODER "[encoder A]\n", "4: [encoder A]: line 1 has the name already; another name is right"},
+     "8: bus: b has encoders of another protocol; expected another bus"},
+    {ENCODER "[encoder A]\n", "4: [encoder A]: line 1 has the name already; expected another name"},
     {"[bus A]\nwire = pty\n" ENCODER,
-     "3: [encoder a]: line 1 has the name already; another name is right"},
-    {ENCODER "node = 200\n", "4: node 200: a node-ID in 1..127 is right"},
-    {ENCODER "node = 0\n", "4: node 0: a node-ID in 1..127 is right"},
-    {ENCODER "address = 0x41\n", "4: address: f3668 has none; node = N is right"},
-    {SLCAN_BUS ON_BUS("a") "address = 1..2\n", "6: address: f3668 has none; node = N is right"},
+     "3: [encoder a]: line 1 has the name already; expected another name"},
+    {ENCODER "node = 200\n", "4: node 200: expected a node-ID in 1..127"},
+    {ENCODER "node = 0\n", "4: node 0: expected a node-ID in 1..127"},
+    {ENCODER "address = 0x41\n", "4: address: f3668 has none; expected node = N"},
+    {SLCAN_BUS ON_BUS("a") "address = 1..2\n", "6: address: f3668 has none; expected node = N"},
     {SLCAN_BUS ON_BUS("a") "node = 0..2\n", NO_RANGE("0..2")},
     {SLCAN_BUS ON_BUS("a") "node = 1..128\n", NO_RANGE("1..128")},
     {SLCAN_BUS ON_BUS("a") "node = 2..1\n", NO_RANGE("2..1")},
@@ -355,34 +363,34 @@ static const struct {
     {SLCAN_BUS ON_BUS("a") "node = 1..\n", NO_RANGE("1..")},
     {SLCAN_BUS ON_BUS("a") "node = 00000000000000000001..2\n", NO_RANGE("00000000000000000001..2")},
     {SLCAN_BUS ON_BUS(A32) "node = 9..10\n",
-     "3: [encoder " A32 "]: " A32 "-9 is too long for a name; a shorter name is right"},
+     "3: [encoder " A32 "]: " A32 "-9 is too long for a name; expected a shorter name"},
     {SLCAN_BUS ON_BUS("a") "node = 1..3\n" ON_BUS("a-2") "node = 9\n",
-     "7: [encoder a-2]: line 3 has the name already; another name is right"},
+     "7: [encoder a-2]: line 3 has the name already; expected another name"},
     {SLCAN_BUS ON_BUS("a") "node = 1..3\n" ON_BUS("c") "node = 3..4\n",
-     "10: node: 3 is node of [encoder a-3] already; node = N with another one is right"},
+     "10: node: 3 is node of [encoder a-3] already; expected node = N with another one"},
     {ENCODER "node = 1..2\n",
-     "3: wire: several encoders have no wire of their own; bus = NAME of a [bus] above is right"},
+     "3: wire: several encoders have no wire of their own; expected bus = NAME of a [bus] above"},
     {"[encoder a]\nmodel = ocd-ib-k3\nwire = modbus\nnode = 5\n",
-     "4: node: ocd-ib-k3 has none; its place among the encoders of its wire is right"},
+     "4: node: ocd-ib-k3 has none; the order of the encoders on its wire decides"},
     {"[encoder a]\nmodel = s3684-rs485\nwire = pty\naddress = 0x60\n",
-     "4: address 0x60: an RS485 address in 0x40..0x5F is right"},
+     "4: address 0x60: expected an RS485 address in 0x40..0x5F"},
     {"[bus b]\nwire = slcan\n" ON_BUS("a") ON_BUS("c"),
-     "6: node: as delivered 63 is node of [encoder a] already; node = N with another one is right"},
+     "6: node: as delivered 63 is node of [encoder a] already; expected node = N with another one"},
     {"[bus b]\nwire = slcan\n" ON_BUS("a") "node = 5\n" ON_BUS("c") "node = 05h\n",
-     "10: node: 05h is node of [encoder a] already; node = N with another one is right"},
-    {ENCODER "shaft = x\n", "4: shaft: no shaft x so far; the NAME of a [shaft] above is right"},
+     "10: node: 05h is node of [encoder a] already; expected node = N with another one"},
+    {ENCODER "shaft = x\n", "4: shaft: no shaft x so far; expected the NAME of a [shaft] above"},
     {ENCODER "[shaft x]\n",
-     "4: [shaft x]: [encoder a] above has done without a shaft; shafts before all encoders are right"},
+     "4: [shaft x]: [encoder a] above has done without a shaft; expected shafts before all encoders"},
     {ENCODER "nvm = x\n[encoder b]\nmodel = f3668\nwire = slcan\nnvm = x\n",
-     "8: nvm: x is of [encoder a] already; another file is right"},
+     "8: nvm: x is of [encoder a] already; expected another file"},
     {"[bus b]\nwire = slcan\n" ON_BUS("a") "trace = x.log\n",
-     "6: trace: a bus has one for all its encoders; trace = FILE in [bus b] is right"},
+     "6: trace: a bus has one for all its encoders; expected trace = FILE in [bus b]"},
     {"[bus b]\nwire = modbus\n[encoder a]\nmodel = ocd-ib-k3\nbus = b\ncycle = 250\n",
-     "6: cycle: a bus has one for all its encoders; cycle = 250 in [bus b] is right"},
-    {ENCODER "serial =\n", "4: serial: empty; serial = VALUE is right"},
+     "6: cycle: a bus has one for all its encoders; expected cycle = 250 in [bus b]"},
+    {ENCODER "serial =\n", "4: serial: empty; expected serial = VALUE"},
     {"[bus b]\nwire = sim\n" ON_SIM("a") ON_SIM("c") ON_SIM("d") ON_SIM("e") ON_SIM("f") ON_SIM("g")
          ON_SIM("h") ON_SIM("i") ON_SIM("j"),
-     "29: bus: b has 8 encoders already; no more are right"},
+     "29: bus: b has 8 encoders already; expected no more encoders"},
 };
 
 /* The last of what is refused when it goes one further; a free port anybody may have. */
@@ -465,7 +473,7 @@ static void assert_refused(const char *file, const char *text, size_t n, const c
 static void lines_that_are_none(void **state)
 {
     static const char limit[] = FILE_NAME
-        ":2: more than 198 characters, or no text at all; a shorter line of text is right";
+        ":2: more than 198 characters, or no text at all; expected a shorter line of text";
     static const char zero[] = "[encoder a]\nmodel = \0f3668\nwire = slcan\n";
     char text[300];
     (void)state;
@@ -475,7 +483,7 @@ static void lines_that_are_none(void **state)
         const int length = snprintf(text, sizeof text, "[encoder a]\nnvm = %0*d\n", n, 0);
         assert_true(fits);
         assert_refused(FILE_NAME, text, (size_t)length,
-                       FILE_NAME ":1: [encoder a]: without a model; model = MODEL is right, one "
+                       FILE_NAME ":1: [encoder a]: without a model; expected model = MODEL, one "
                                  "of: " MODELS);
     }
     const int length = snprintf(text, sizeof text, "[encoder a]\nnvm = %0*d\n", 193, 0);
@@ -525,7 +533,7 @@ static void included_files(void **state)
     static const char by_link[] = "[rig]\ninclude = link.ini\n" ON_BUS("a");
     assert_refused(FILE_NAME, by_link, strlen(by_link),
                    FILE_NAME
-                   ":2: include: link.ini: not in the folder for files; a name below it is right");
+                   ":2: include: link.ini: not in the folder for files; expected a name below it");
     static const char none[] = "[rig]\ninclude = sub/none.ini\n";
     assert_refused(FILE_NAME, none, strlen(none),
                    FILE_NAME ":2: include: sub/none.ini: No such file or directory");
@@ -533,8 +541,8 @@ static void included_files(void **state)
     static const char text[] = "[rig]\ninclude = sub/" FILE_NAME "\n";
     assert_refused(FILE_NAME, text, strlen(text),
                    FILE_NAME ":2: sub/" FILE_NAME
-                             ":2: wire: rope is no kind of wire; pty, tty, rs485, sim, gpio, can, "
-                             "slcan, socketcand, silkit and modbus are right");
+                             ":2: wire: rope is no kind of wire; expected pty, tty, rs485, sim, "
+                             "gpio, can, slcan, socketcand, silkit or modbus");
     assert_int_equal(unlink("link.ini"), 0);
 }
 
@@ -633,9 +641,9 @@ static void without_a_file(void **state)
     assert_string_equal(plan.encoders[8].settings.list[0].key, "a");
     assert_string_equal(plan.encoders[8].settings.list[0].value, "b=c");
     assert_int_equal(lx_plan_add_assignment(&plan.encoders[8].settings, "pace", 0, &error), -1);
-    assert_string_equal(lx_error_line(&error).text, "pace: KEY=VALUE is right");
+    assert_string_equal(lx_error_line(&error).text, "pace: expected KEY=VALUE");
     assert_int_equal(lx_plan_refuse_key(&plan, "k", 7, &error), -1);
-    assert_string_equal(lx_error_line(&error).text, "pace: KEY=VALUE is right");
+    assert_string_equal(lx_error_line(&error).text, "pace: expected KEY=VALUE");
     plan_rig_free(&plan);
     assert_all_zero(&plan);
 }

@@ -213,8 +213,8 @@ static void what_is_refused_says_what_is_right(void **state)
         open_rig("[encoder e]\nmodel = s3684-biss\nwire = sim\nnvm = e.nvm\n");
     (void)state;
     refuses(rig, "WORL:TEMP:PROF \"a.csv,WRONG\"",
-            "-224,\"Illegal parameter value;'WRONG' is none of the words; "
-            "FILE.csv[,ONCE|LOOP][,LINEAR|STEP] is right\"");
+            "-224,\"Illegal parameter value;'WRONG' is none of the words; expected "
+            "FILE.csv[,ONCE|LOOP][,LINEAR|STEP]\"");
     refuses(
         rig, "WORL:TEMP:PROF \"a.csv,WRONGWRONGWRONGWRONGWRONGWRONG\"",
         "-224,\"Illegal parameter value;'WRONGWRONGWRONGWRONGWRONGWRONG' is none of the words\"");

@@ -345,16 +345,16 @@ static void plans_that_cannot_be(void **state)
         const char *text;
     } rows[] = {
         {"host", NULL, NULL, NULL,
-         "rig.ini:4: modbus:host: HOST:PORT is right, e.g. 127.0.0.1:5020; beyond loopback "
+         "rig.ini:4: modbus:host: expected HOST:PORT, e.g. 127.0.0.1:5020; beyond loopback "
          "HOST:PORT,open"},
-        {NULL, "x", NULL, NULL, "rig.ini:8: serial x: a number in 0..33554431 is right"},
-        {NULL, NULL, "cycle=1", NULL, "rig.ini:9: cycle=1: a number in 250..50000 us is right"},
+        {NULL, "x", NULL, NULL, "rig.ini:8: serial x: expected a number in 0..33554431"},
+        {NULL, NULL, "cycle=1", NULL, "rig.ini:9: cycle=1: expected a number in 250..50000 us"},
         {NULL, NULL, "steps=1", NULL, "rig.ini:9: steps=1: the wire has no such key; leave it out"},
         {NULL, NULL, NULL, "clock_hz=1000000",
          "rig.ini:9: clock_hz=1000000: only a sim wire has it; leave it out"},
-        {NULL, NULL, NULL, "turns=0", "rig.ini:9: turns=0: a number in 1..4096 is right"},
+        {NULL, NULL, NULL, "turns=0", "rig.ini:9: turns=0: expected a number in 1..4096"},
         {NULL, NULL, NULL, "eeprom_acknowledges=2",
-         "rig.ini:9: eeprom_acknowledges=2: 0 or 1 is right"},
+         "rig.ini:9: eeprom_acknowledges=2: expected 0 or 1"},
     };
     struct bench *self = *state;
     self->plan.file = "rig.ini";

@@ -384,7 +384,7 @@ static void what_is_no_uart_is_refused(void **state)
         const char *what;
         const char *right;
     } rows[] = {
-        {"/dev/null", "not a serial port", "one such as /dev/ttyUSB0 is right"},
+        {"/dev/null", "not a serial port", "expected a serial port such as /dev/ttyUSB0"},
         {"/dev/none", "cannot use it at 9600 Bd 8E1: No such file or directory", ""},
     };
     struct owner self = {.count = 0};

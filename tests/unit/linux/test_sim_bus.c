@@ -363,9 +363,9 @@ static void what_does_not_fit_is_refused(void **state)
         const char *serial;
         const char *says;
     } rows[] = {
-        {"mt=33", NULL, "rig.ini:7: mt=33: a number in 0..32 is right"},
+        {"mt=33", NULL, "rig.ini:7: mt=33: expected a number in 0..32"},
         {"lines=0", NULL, "rig.ini:7: lines: no such key"},
-        {NULL, "x", "rig.ini:9: serial x: a number in 0..4294967295 is right"},
+        {NULL, "x", "rig.ini:9: serial x: expected a number in 0..4294967295"},
     };
     (void)state;
     for (size_t i = 0; i < DG_COUNT(rows); i++) {

@@ -347,11 +347,11 @@ static void a_plan_makes_the_line(void **state)
     assert_int_equal(monoflop_of(LX_CLOCKED_THERE, NULL), DG_MS(20));
     assert_int_equal(monoflop_of(LX_CLOCKED_HERE, "monoflop_us=30"), DG_US(30));
     assert_int_equal(monoflop_of(LX_CLOCKED_THERE, "monoflop_us=20"), DG_US(20));
-    refuse("monoflop_us=9", "monoflop_us=9: a number in 10..1000000 us is right");
-    refuse("st=33", "st=33: a number in 1..32 is right");
-    refuse("st=7", "mt 12 and st 7; together 10 to 32 bits are right, mt 0..24 and st 8..31");
-    refuse("st=21", "mt 12 and st 21; together 10 to 32 bits are right");
-    refuse("parity=mark", "parity=mark: none, even or odd is right");
+    refuse("monoflop_us=9", "monoflop_us=9: expected a number in 10..1000000 us");
+    refuse("st=33", "st=33: expected a number in 1..32");
+    refuse("st=7", "mt 12 and st 7; expected 10 to 32 bits together, mt 0..24 and st 8..31");
+    refuse("st=21", "mt 12 and st 21; expected 10 to 32 bits together");
+    refuse("parity=mark", "parity=mark: expected none, even or odd");
     plan.encoders[0].nvm = "x.nvm";
     refuse(NULL, "nvm: ssi-25 has no EEPROM; leave it out");
     plan.encoders[0].serial = "5";

@@ -69,7 +69,7 @@ static int serve(sd_event *event, char **arguments)
         return complain(&error, EXIT_OTHER);
     }
     if (!lx_peers_split(arguments[2], &setup.where) || setup.where.word[0] != '\0') {
-        lx_complain("--listen %s: HOST:PORT is right, e.g. 127.0.0.1:8080; with ,open behind it "
+        lx_complain("--listen %s: expected HOST:PORT, e.g. 127.0.0.1:8080, or HOST:PORT,open "
                     "beyond loopback",
                     arguments[2]);
         return EXIT_USAGE;

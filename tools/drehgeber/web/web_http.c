@@ -124,11 +124,11 @@ int web_http_request(struct web_http *self, struct lws *wsi, const char *path)
     self->sent = 0;
     if (!is_ours(self, wsi, host)) {
         return refuse(wsi, HTTP_STATUS_FORBIDDEN,
-                      "This is no name of the machine, or a page of another site; an address is "
-                      "right");
+                      "This is not a name of this machine, or it is a page of another site; use an "
+                      "address");
     }
     if (lws_hdr_total_length(wsi, WSI_TOKEN_GET_URI) == 0 && !is_head(wsi)) {
-        return refuse(wsi, HTTP_STATUS_METHOD_NOT_ALLOWED, "GET is right");
+        return refuse(wsi, HTTP_STATUS_METHOD_NOT_ALLOWED, "expected GET");
     }
     return self->file == NULL ? refuse(wsi, HTTP_STATUS_NOT_FOUND, NULL)
                               : answer_file(self, wsi, host);

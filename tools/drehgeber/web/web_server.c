@@ -436,8 +436,8 @@ static int start_listening(struct web_server *self, struct lx_error *error)
         lx_tcp_listen(&at, self->setup.where.open ? LX_ENDPOINT_ANY : LX_ENDPOINT_LOOPBACK);
     if (self->listener < 0 && errno == EPERM) {
         return lx_fail(error,
-                       "--listen %s: beyond loopback, where anybody could try; %s,open is right if "
-                       "that is meant",
+                       "--listen %s: beyond loopback, where anybody could try; use %s,open if you "
+                       "want that",
                        text, text);
     }
     if (self->listener < 0) {

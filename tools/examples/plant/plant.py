@@ -521,9 +521,9 @@ def options() -> argparse.Namespace:
     if (plant.join or plant.rig is not None) and plant.registry is None:
         parser.error("--registry silkit://HOST:PORT says where the master is")
     if plant.registry is not None and not re.fullmatch(r"silkit://[^/,\s]+:\d{1,5}", plant.registry):
-        parser.error(f"--registry {plant.registry}: silkit://HOST:PORT is right")
+        parser.error(f"--registry {plant.registry}: expected silkit://HOST:PORT")
     if not 1 <= plant.threads <= THREADS_MAX:
-        parser.error(f"--threads {plant.threads}: 1..{THREADS_MAX} is right")
+        parser.error(f"--threads {plant.threads}: expected 1..{THREADS_MAX}")
     if plant.processes > PROCESSES_MAX:
         parser.error(f"{PROCESSES_MAX} processes at most: each knows all others")
     if not 1 <= plant.nodes <= 127 or min(plant.processes, plant.buses, plant.ms, plant.step_us, plant.sync_ms) < 1:

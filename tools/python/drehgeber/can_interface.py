@@ -28,7 +28,7 @@ class DrehgeberBus(can.BusABC):
     ) -> None:
         text = str(channel)
         if time not in ("virtual", "real"):
-            raise can.CanInitializationError(f"time={time!r}: 'virtual' or 'real' is right")
+            raise can.CanInitializationError(f"time={time!r}: expected 'virtual' or 'real'")
         bus = CanBus.named(text)
         self.encoder = None
         if bus is None:

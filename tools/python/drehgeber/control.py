@@ -85,7 +85,7 @@ class Control:
         elif kind == "tty":
             self._socket = _Serial(where, timeout)
         else:
-            raise ValueError(f"{address}: unix:PATH, tcp:HOST:PORT or tty:PATH is right")
+            raise ValueError(f"{address}: expected unix:PATH, tcp:HOST:PORT or tty:PATH")
         if token:
             with open(token, encoding="ascii") as file:
                 secret = file.read().strip()

@@ -60,7 +60,7 @@ def _last_of(path: Path) -> Model:
     """A file of nothing but models stands for the last one of them; one with encoders is a rig."""
     plan = Plan(str(path), _read(path, -1), path.parent)
     if plan.rows.encoder_count > 0:
-        raise EncoderError(f"{path}: a rig file is no model; Rig({str(path)!r}) is right")
+        raise EncoderError(f"{path}: a rig file is no model; expected Rig({str(path)!r})")
     return Model(plan.rows.models[plan.rows.model_count - 1].device, plan)
 
 
@@ -81,5 +81,5 @@ def _made_of(path: Path) -> Model:
     if result != 0:
         what, right = text_of(flaw.what), text_of(flaw.right)
         place = f"{path}:{flaw.line}" if flaw.line else str(path)
-        raise EncoderError(f"{place}: {what}{f'; right is {right}' if right else ''}")
+        raise EncoderError(f"{place}: {what}{f'; expected {right}' if right else ''}")
     return Model(made.device, keep)

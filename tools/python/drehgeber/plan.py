@@ -39,7 +39,7 @@ def read_below(folder: Path, name: str, most: int) -> bytes:
             os.close(at)
             at = below
         if not stat.S_ISREG(os.fstat(at).st_mode):
-            raise OSError(errno.EINVAL, "not a regular file; one is right")
+            raise OSError(errno.EINVAL, "expected a regular file")
         with open(at, "rb", closefd=False) as file:
             return file.read(most)
     finally:
@@ -81,7 +81,7 @@ class Plan:
             data = read_below(self.folder, name, self._lib.DG_PLAN_INCLUDED_MAX + 1)
         except OSError as error:
             linked = error.errno in LINKS
-            why = "not in the folder for files; a name below it is right" if linked else error.strerror
+            why = "not in the folder for files; expected a name below it" if linked else error.strerror
             return self._kept(raw(f"{name}: {why}", "a name"))
         to.text, to.n = self._kept(data), len(data)
         return self._ffi.NULL
@@ -134,7 +134,7 @@ class Plan:
             right = f"a number in {row.min}..{row.max} {text_of(row.unit)}".rstrip()
             if row.words != ffi.NULL:
                 right = " or ".join(text_of(row.words[index]) for index in range(row.max + 1))
-            raise EncoderError(f"{word.key}={word.value}: {right} is right")
+            raise EncoderError(f"{word.key}={word.value}: expected {right}")
 
     def _refusal(self, wrong: Any) -> str:
         """FILE:LINE: KEY: what; right"""

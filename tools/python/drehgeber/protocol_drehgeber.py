@@ -13,7 +13,7 @@ from .clock import Clock
 from .encoder import Encoder
 
 SCHEME = "drehgeber://"
-FORMS = f"{SCHEME}s3684-rs485?shaft=60RPM&time=virtual, or {SCHEME}NAME of a drehgeber.Encoder, is right"
+FORMS = f"expected {SCHEME}s3684-rs485?shaft=60RPM&time=virtual, or {SCHEME}NAME of a drehgeber.Encoder"
 
 
 class Serial(serial.SerialBase):

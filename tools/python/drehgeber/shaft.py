@@ -63,7 +63,7 @@ def read_points(path: Path, line: str = "time_s,angle_deg") -> list[tuple[Decima
         if header:
             continue
         if len(cells) != 2 or not all(DECIMAL.fullmatch(cell) for cell in cells):
-            raise EncoderError(f"{path}:{number}: {line} is right")
+            raise EncoderError(f"{path}:{number}: expected {line}")
         points.append((Decimal(cells[0]), Decimal(cells[1])))
     return points
 
@@ -151,7 +151,7 @@ class Shaft:
     def play(self, motion: str) -> None:
         """What --shaft takes: "60RPM", "sine:90DEG,2S", "ramp:3000RPM,1S", "run.csv", ..."""
         if not isinstance(motion, str):
-            raise TypeError(f"motion {motion!r}: words are right: {forms()}")
+            raise TypeError(f"motion {motion!r}: expected words: {forms()}")
         text, ffi = raw(motion, "motion"), self._ffi
         if self._lib.dg_motion_is_file(text):
             self.replay(read_points(Path(motion)))

@@ -261,7 +261,7 @@ class Decoder(srd.Decoder):
         self.ann(self.edges[begin], self.edges[end], 'position', which + ' '.join(words) + ' CRC ' + verdict,
                  'ST %d' % values[1])
         if crc != right:
-            self.warn(self.edges[at], self.edges[end], which + 'CRC %02X is wrong, right is %02X' % (crc, right))
+            self.warn(self.edges[at], self.edges[end], which + 'CRC %02X is wrong, expected %02X' % (crc, right))
         bytes_needed = -(-(end - begin) // 8)
         self.put(self.edges[begin], self.edges[end], self.out_binary,
                  [0, number(bits[begin:end]).to_bytes(bytes_needed, 'big')])

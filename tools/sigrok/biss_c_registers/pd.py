@@ -197,7 +197,7 @@ class Decoder(srd.Decoder):
             self.what = 'command {:02b}'.format(command)
         self.crc_field(self.cdm_field, frames[11:], crc, right)
         if crc != right:
-            self.end('CRC4 of the address %X is wrong, right is %X' % (crc, right))
+            self.end('CRC4 of the address %X is wrong, expected %X' % (crc, right))
         elif cts:
             yield from self.registers(slave, address, count)
         else:
@@ -278,13 +278,13 @@ class Decoder(srd.Decoder):
             self.crc_field(self.cdm_field, frames[8:12], sent_crc, sent_right)
             self.cdm_field(frames[12:13], 'P %d' % stop, str(stop))
             if sent_crc != sent_right:
-                problems.append('CRC4 of the data %X is wrong, right is %X' % (sent_crc, sent_right))
+                problems.append('CRC4 of the data %X is wrong, expected %X' % (sent_crc, sent_right))
             if stop:
                 problems.append('the stop bit of the master is missing: P = 1')
             if (got, got_crc) != (sent, sent_crc):
                 problems.append('echo %02X %X of what was sent as %02X %X' % (got, got_crc, sent, sent_crc))
         elif got_crc != got_right:
-            problems.append('CRC4 of the data %X is wrong, right is %X' % (got_crc, got_right))
+            problems.append('CRC4 of the data %X is wrong, expected %X' % (got_crc, got_right))
         if refused:
             problems.append('refused: P = 1')
         self.cds_field(frames[0:1], 'S')

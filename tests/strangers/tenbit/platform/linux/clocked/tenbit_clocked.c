@@ -12,7 +12,7 @@ static int check(const struct lx_bus_setup *setup, const struct lx_station *stat
     const char *name = station->plan->model->name;
     (void)setup;
     return master == LX_CLOCKED_HERE ? 0
-                                     : lx_refuse(error, "sim is right",
+                                     : lx_refuse(error, "expected sim",
                                                  "%s has no time for a master in user space", name);
 }
 
