@@ -11,6 +11,7 @@ from xml.etree import ElementTree
 import pytest
 
 from rig import PROGRAM, free_port, run, run_refused
+from verified import WIRES
 
 NODE = 63
 CLAUSE = "M12-7"  # it asks for a constant, and nothing else
@@ -226,7 +227,7 @@ FORGED = {
 
 def write_clauses(folder, clauses, rows):
     for name, content in (("clauses", clauses), ("rows", rows)):
-        for suite in "canopen", "cia406":
+        for suite in WIRES["f3668"][2]:
             if content is not None:
                 (folder / f"{suite}.{name}").write_text(content)
 
