@@ -11,14 +11,14 @@
 #define CRC_BITS 4u
 #define DATA_BITS 8u
 
-static void become(struct dg_biss_control *control, enum dg_biss_control_state state)
+static void enter_control_state(struct dg_biss_control *control, enum dg_biss_control_state state)
 {
     control->state = state;
     control->shift = 0;
     control->count = 0;
 }
 
-static void collect(struct dg_biss_control *control, bool bit)
+static void collect_bit(struct dg_biss_control *control, bool bit)
 {
     control->shift = (uint16_t)((uint32_t)control->shift << 1 | bit);
     control->count++;
@@ -50,7 +50,7 @@ static void on_ready(struct dg_biss *self, dg_ns now, bool cdm)
 {
     (void)now;
     if (cdm) {
-        become(&self->control, DG_BISS_CONTROL_ADDRESS);
+        enter_control_state(&self->control, DG_BISS_CONTROL_ADDRESS);
         self->control.id = DG_BISS_NO_ID;
     }
 }
@@ -65,14 +65,14 @@ static void addressed(struct dg_biss *self, uint16_t bits)
     if (cts) {
         control->address = (uint8_t)(bits & BISS_ADDRESS_END);
         if ((bits >> 7 & 7u) == control->id) {
-            become(control, DG_BISS_CONTROL_R);
+            enter_control_state(control, DG_BISS_CONTROL_R);
         }
         return;
     }
     control->command = (uint8_t)(bits & 3u);
     control->addressed = ids != 0;
     control->mine = control->id != DG_BISS_NO_ID && (0x80u >> control->id & ids) != 0;
-    become(control, DG_BISS_CONTROL_SELECT);
+    enter_control_state(control, DG_BISS_CONTROL_SELECT);
 }
 
 static void on_address(struct dg_biss *self, dg_ns now, bool cdm)
@@ -80,13 +80,13 @@ static void on_address(struct dg_biss *self, dg_ns now, bool cdm)
     struct dg_biss_control *control = &self->control;
 
     (void)now;
-    collect(control, cdm);
+    collect_bit(control, cdm);
     if (control->count < ADDRESSING_BITS + CRC_BITS) {
         return;
     }
     const uint16_t word = control->shift;
     const uint16_t bits = word >> CRC_BITS;
-    become(control, DG_BISS_CONTROL_IDLE);
+    enter_control_state(control, DG_BISS_CONTROL_IDLE);
     if ((word & 0x0Fu) == dg_biss_crc4(bits, ADDRESSING_BITS)) {
         addressed(self, bits);
     } else {
@@ -99,7 +99,7 @@ static void on_r(struct dg_biss *self, dg_ns now, bool cdm)
     (void)now;
     self->control.r = cdm;
     self->control.cds = cdm;
-    become(&self->control, DG_BISS_CONTROL_W);
+    enter_control_state(&self->control, DG_BISS_CONTROL_W);
 }
 
 /* An answer with R = W says 'refused', also to a request with R = W. */
@@ -112,13 +112,13 @@ static void on_w(struct dg_biss *self, dg_ns now, bool cdm)
         control->r == cdm || dg_biss_permitted(self, now, control->address, cdm) == NULL;
     self->counters.refused += control->refused;
     control->cds = control->refused ? control->r : cdm;
-    become(control, control->refused ? DG_BISS_CONTROL_IDLE : DG_BISS_CONTROL_S);
+    enter_control_state(control, control->refused ? DG_BISS_CONTROL_IDLE : DG_BISS_CONTROL_S);
 }
 
 /* S goes out, and of a read the data behind it. */
 static void send_data(struct dg_biss_control *control, uint8_t value)
 {
-    become(control, DG_BISS_CONTROL_DATA);
+    enter_control_state(control, DG_BISS_CONTROL_DATA);
     if (!control->w) {
         control->shift = (uint16_t)((uint32_t)value << CRC_BITS | dg_biss_crc4(value, DATA_BITS));
     }
@@ -132,7 +132,7 @@ static void begin_data(struct dg_biss *self, dg_ns now)
     const struct biss_register *row = dg_biss_permitted(self, now, control->address, control->w);
     uint8_t value = 0;
 
-    become(control, DG_BISS_CONTROL_IDLE);
+    enter_control_state(control, DG_BISS_CONTROL_IDLE);
     if (row == NULL) {
         return;
     }
@@ -148,7 +148,7 @@ static void begin_data(struct dg_biss *self, dg_ns now)
 static void on_busy(struct dg_biss *self, dg_ns now, bool cdm)
 {
     if (!cdm) {
-        become(&self->control, DG_BISS_CONTROL_IDLE);
+        enter_control_state(&self->control, DG_BISS_CONTROL_IDLE);
     } else if (now >= self->control.ready) {
         begin_data(self, now);
     }
@@ -160,7 +160,7 @@ static void on_s(struct dg_biss *self, dg_ns now, bool cdm)
     const struct biss_register *row = dg_biss_permitted(self, now, control->address, control->w);
 
     if (!cdm) {
-        become(control, DG_BISS_CONTROL_IDLE);
+        enter_control_state(control, DG_BISS_CONTROL_IDLE);
         return;
     }
     if (control->refused) { /* a further register: only its own P can say so */
@@ -171,7 +171,7 @@ static void on_s(struct dg_biss *self, dg_ns now, bool cdm)
     if (row != NULL && (row->access & BISS_EEPROM) != 0) {
         const dg_ns free = control->ready > now ? control->ready : now;
         control->ready = dg_after(free, self->setup.model->eeprom_read);
-        become(control, DG_BISS_CONTROL_BUSY);
+        enter_control_state(control, DG_BISS_CONTROL_BUSY);
     }
     if (control->state != DG_BISS_CONTROL_BUSY || now >= control->ready) {
         begin_data(self, now);
@@ -179,7 +179,7 @@ static void on_s(struct dg_biss *self, dg_ns now, bool cdm)
 }
 
 /* Frame 31: a write whose CRC and stop bit are right takes effect. @return whether P stays 0 */
-static bool write_register(struct dg_biss *self, dg_ns now, uint16_t word)
+static bool write_biss_register(struct dg_biss *self, dg_ns now, uint16_t word)
 {
     struct dg_biss_control *control = &self->control;
     const uint8_t value = (uint8_t)(word >> (CRC_BITS + 1u));
@@ -209,7 +209,7 @@ static bool next_refused(struct dg_biss *self, dg_ns now)
     return dg_biss_permitted(self, now, control->address, control->w) == NULL;
 }
 
-static void on_data(struct dg_biss *self, dg_ns now, bool cdm)
+static void on_register_data(struct dg_biss *self, dg_ns now, bool cdm)
 {
     struct dg_biss_control *control = &self->control;
     const uint8_t last = DATA_BITS + CRC_BITS;
@@ -221,24 +221,24 @@ static void on_data(struct dg_biss *self, dg_ns now, bool cdm)
     if (!control->w) { /* what a master sends in the data of a read means nothing */
         control->count++;
     } else {
-        collect(control, cdm);
+        collect_bit(control, cdm);
     }
     if (control->count <= last) {
         return;
     }
     const bool accepted =
-        !control->refused && (!control->w || write_register(self, now, control->shift));
+        !control->refused && (!control->w || write_biss_register(self, now, control->shift));
     if (control->state != DG_BISS_CONTROL_DATA) {
         return; /* the write was a soft reset */
     }
     control->refused = !accepted || next_refused(self, now);
     /* P of this register, or ahead of time of the next one. */
     control->cds = self->setup.model->stop_bit_early ? control->refused : !accepted;
-    become(control, control->cds ? DG_BISS_CONTROL_IDLE : DG_BISS_CONTROL_S);
+    enter_control_state(control, control->cds ? DG_BISS_CONTROL_IDLE : DG_BISS_CONTROL_S);
 }
 
 /* Broadcast: 00 data channels off, 01 communication on. Addressed: 00 on, 01 off. */
-static void execute(struct dg_biss *self)
+static void execute_command(struct dg_biss *self)
 {
     const bool selected = self->control.addressed;
 
@@ -261,7 +261,7 @@ static void on_select(struct dg_biss *self, dg_ns now, bool cdm)
     struct dg_biss_control *control = &self->control;
 
     (void)now;
-    become(control, cdm ? DG_BISS_CONTROL_EXECUTE : DG_BISS_CONTROL_IDLE);
+    enter_control_state(control, cdm ? DG_BISS_CONTROL_EXECUTE : DG_BISS_CONTROL_IDLE);
     control->cds = cdm && acknowledges(control);
 }
 
@@ -271,15 +271,15 @@ static void on_execute(struct dg_biss *self, dg_ns now, bool cdm)
     const bool is_ex = !control->addressed || control->count == DG_BISS_CHAIN_MAX - 1u;
 
     (void)now;
-    collect(control, cdm);
+    collect_bit(control, cdm);
     if (!is_ex && !cdm) {
         control->cds = acknowledges(control);
         return;
     }
     if (is_ex && cdm && (control->mine || !control->addressed)) {
-        execute(self);
+        execute_command(self);
     }
-    become(control, DG_BISS_CONTROL_IDLE);
+    enter_control_state(control, DG_BISS_CONTROL_IDLE);
 }
 
 void dg_biss_cdm(struct dg_biss *self, dg_ns now, bool cdm)
@@ -292,7 +292,7 @@ void dg_biss_cdm(struct dg_biss *self, dg_ns now, bool cdm)
         [DG_BISS_CONTROL_W] = on_w,
         [DG_BISS_CONTROL_S] = on_s,
         [DG_BISS_CONTROL_BUSY] = on_busy,
-        [DG_BISS_CONTROL_DATA] = on_data,
+        [DG_BISS_CONTROL_DATA] = on_register_data,
         [DG_BISS_CONTROL_SELECT] = on_select,
         [DG_BISS_CONTROL_EXECUTE] = on_execute,
     };
@@ -310,7 +310,7 @@ void dg_biss_cdm(struct dg_biss *self, dg_ns now, bool cdm)
         control->zeros++;
     }
     if (control->zeros == DG_BISS_ZEROS && control->state != DG_BISS_CONTROL_READY) {
-        become(control, DG_BISS_CONTROL_READY);
+        enter_control_state(control, DG_BISS_CONTROL_READY);
         control->cds = false;
     }
 }

@@ -47,7 +47,7 @@ static const uint8_t profile[] = {
     [0x1F] = 0x21,                       /* CPOLY */
 };
 
-static uint8_t finish(uint8_t *bank, uint8_t offset)
+static uint8_t finish_bank(uint8_t *bank, uint8_t offset)
 {
     uint8_t sum = 0;
 
@@ -67,7 +67,7 @@ uint8_t dg_biss_eds_common(const struct dg_biss_model *model, uint8_t offset)
     memcpy(bank, common, sizeof common);
     bank[0x0C] = busy > TBUSY_S_MIN ? (uint8_t)busy : TBUSY_S_MIN;
     bank[0x15] = (uint8_t)(dg_biss_position_bits(model) + dg_biss_life_bits(model));
-    return finish(bank, offset);
+    return finish_bank(bank, offset);
 }
 
 uint8_t dg_biss_eds_profile(const struct dg_biss_model *model, uint8_t offset)
@@ -85,5 +85,5 @@ uint8_t dg_biss_eds_profile(const struct dg_biss_model *model, uint8_t offset)
         dg_store_be32(&bank[0x10], (uint32_t)((uint64_t)1 << model->multiturn_bits));
     }
     dg_store_be32(&bank[0x18], (uint32_t)1 << fine);
-    return finish(bank, offset);
+    return finish_bank(bank, offset);
 }

@@ -96,7 +96,7 @@ int dg_biss_mount(struct dg_store *self, const struct dg_biss_model *model, stru
 }
 
 /* @return dg_store_mount()'s */
-static int load(struct dg_biss *self)
+static int load_factory(struct dg_biss *self)
 {
     int result = DG_ERR_IO;
 
@@ -135,7 +135,7 @@ int dg_biss_restart(struct dg_biss *self, dg_ns now)
     self->line.is_last = true;
     self->line.hint = 0;
     self->line.hinted = false;
-    const int result = load(self);
+    const int result = load_factory(self);
     self->configured = (dg_biss_errors(self, now) & incomplete) == 0;
     return result;
 }

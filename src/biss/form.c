@@ -29,7 +29,7 @@ static uint8_t turns_and_counts(const struct dg_biss_model *model)
     return (uint8_t)(model->multiturn_bits + model->singleturn_bits);
 }
 
-static void make_parts(const struct dg_biss_model *model, struct parts *to)
+static void make_biss_parts(const struct dg_biss_model *model, struct parts *to)
 {
     *to = (struct parts){
         .form = {.layout = model->form->layout, .parts = to->list, .count = PART_COUNT},
@@ -70,7 +70,7 @@ uint8_t dg_biss_layout_make_frame(const struct dg_biss *self, uint8_t flags, uin
     const bool n_warn = (flags & 1u) != 0;
     struct parts parts;
 
-    make_parts(model, &parts);
+    make_biss_parts(model, &parts);
     parts.list[POSITION].value = self->position;
     parts.list[ERROR].value = n_err != model->form->error_high ? 1u : 0u;
     parts.list[WARNING].value = n_warn != model->form->warning_high ? 1u : 0u;
@@ -82,7 +82,7 @@ uint8_t dg_biss_layout_make_frame(const struct dg_biss *self, uint8_t flags, uin
 }
 
 /* The level that a part without polarity would have; one that is not sent says nothing is wrong. */
-static bool level_of(const struct parts *parts, enum part part, bool high)
+static bool bit_level_of(const struct parts *parts, enum part part, bool high)
 {
     return !dg_form_has(parts->form.layout, parts->list[part].letter) ||
            (parts->list[part].value != 0) != high;
@@ -105,7 +105,7 @@ void dg_biss_layout_take_apart(const struct dg_biss_model *model, uint64_t bits,
     const struct dg_biss_form *form = model->form;
     struct parts parts;
 
-    make_parts(model, &parts);
+    make_biss_parts(model, &parts);
     dg_form_unpack(&parts.form, bits);
     const uint64_t position = parts.list[POSITION].value;
     const uint64_t mask = ((uint64_t)1 << model->singleturn_bits) - 1u;
@@ -114,8 +114,8 @@ void dg_biss_layout_take_apart(const struct dg_biss_model *model, uint64_t bits,
         .multiturn = (uint32_t)(position >> model->singleturn_bits),
         .singleturn = (uint32_t)(position & mask),
         .life = (uint8_t)parts.list[LIFE].value,
-        .n_err = level_of(&parts, ERROR, form->error_high),
-        .n_warn = level_of(&parts, WARNING, form->warning_high),
+        .n_err = bit_level_of(&parts, ERROR, form->error_high),
+        .n_warn = bit_level_of(&parts, WARNING, form->warning_high),
         .crc_ok = crc_fits(model, &parts, bits),
     };
 }
@@ -131,7 +131,7 @@ const char *dg_biss_form_settle(const struct dg_biss_model *model, struct dg_bis
 {
     struct parts parts;
 
-    make_parts(model, &parts);
+    make_biss_parts(model, &parts);
     if (!dg_form_has(form->layout, 'P') || !dg_form_fits(&parts.form, DG_BISS_FRAME_BITS_MAX)) {
         return "a frame of P and any of E W L C, each once, 0 and 1, together at most 63 bits";
     }

@@ -19,7 +19,7 @@ static bool level(const struct dg_host_line *line)
 }
 
 /* Whether the edge is e1, at which the position is read. */
-static bool begins(const struct dg_biss_line *line, dg_ns now, bool high)
+static bool begins_frame(const struct dg_biss_line *line, dg_ns now, bool high)
 {
     return line->state == DG_BISS_IDLE && high && !line->ma && now < line->deadline;
 }
@@ -28,7 +28,7 @@ static bool set_clock(struct dg_host_line *line, dg_ns now, bool high)
 {
     struct dg_biss *device = line->device;
 
-    if (begins(&device->line, now, high)) {
+    if (begins_frame(&device->line, now, high)) {
         line->latched = now;
     }
     return dg_biss_link(device, now, high, line->behind);
@@ -57,7 +57,7 @@ static bool clock_bit(struct dg_host_line *line)
 }
 
 /* From e1 at line->now to the last bit of the CRC. @return CDS, or DG_HOST_ERR_SILENT */
-static int begin(struct dg_host_line *line, uint64_t *bits)
+static int begin_exchange(struct dg_host_line *line, uint64_t *bits)
 {
     struct dg_biss *device = line->device;
     unsigned clocks = 0;
@@ -79,7 +79,7 @@ static int begin(struct dg_host_line *line, uint64_t *bits)
 }
 
 /* CDM is MA inverted while the slave's timeout runs. */
-static void end(struct dg_host_line *line, bool cdm)
+static void end_exchange(struct dg_host_line *line, bool cdm)
 {
     line->now = dg_after(line->now, PERIOD_NS / 2u);
     (void)dg_biss_ma(line->device, line->now, !cdm);
@@ -107,8 +107,8 @@ static int frame(struct dg_host_line *line, struct dg_host_frame *to)
     }
     to->at = line->now;
     line->latched = line->now;
-    (void)begin(line, &to->bits); /* an idle slave always has a start bit */
-    end(line, false);
+    (void)begin_exchange(line, &to->bits); /* an idle slave always has a start bit */
+    end_exchange(line, false);
     dg_biss_frame_decode(device->setup.model, to->bits, &data);
     to->count = dg_biss_frame_bits(device->setup.model);
     to->position = data.position;
@@ -164,15 +164,15 @@ struct access {
 static bool bit(struct access *access, bool cdm)
 {
     uint64_t bits;
-    const int cds = begin(access->line, &bits);
+    const int cds = begin_exchange(access->line, &bits);
 
-    end(access->line, cdm);
+    end_exchange(access->line, cdm);
     access->silent = access->silent || cds < 0;
     return cds > 0;
 }
 
 /* The last `n` bits of `bits`. @return what came back, its last bit in bit 0 */
-static unsigned send(struct access *access, unsigned bits, unsigned n)
+static unsigned clock_bits(struct access *access, unsigned bits, unsigned n)
 {
     unsigned back = 0;
 
@@ -188,9 +188,9 @@ static int address_register(struct access *access, uint8_t address)
     const unsigned bits = CTS | address;
     const unsigned wanted = access->write ? 1u : 2u;
 
-    (void)send(access, 0, ZERO_FRAMES);
+    (void)clock_bits(access, 0, ZERO_FRAMES);
     (void)bit(access, true);
-    (void)send(access, bits << 4 | dg_biss_crc4(bits, ADDRESS_BITS), ADDRESS_BITS + 4u);
+    (void)clock_bits(access, bits << 4 | dg_biss_crc4(bits, ADDRESS_BITS), ADDRESS_BITS + 4u);
     (void)bit(access, !access->write);
     unsigned answer = bit(access, access->write) ? 2u : 0u;
     answer |= bit(access, true) ? 1u : 0u;
@@ -207,33 +207,33 @@ static bool await_start(struct access *access)
     /* A timeout may be as long as that: what was asked in time is looked for in the next frame. */
     while (begun <= latest) {
         uint64_t bits;
-        const int cds = begin(access->line, &bits);
+        const int cds = begin_exchange(access->line, &bits);
         if (cds != 0) {
             return cds > 0;
         }
         begun = access->line->now;
-        end(access->line, true);
+        end_exchange(access->line, true);
     }
     return false;
 }
 
 /* One byte is exchanged. @return P */
-static bool exchange(struct access *access, uint8_t *byte, bool last, bool *good)
+static bool exchange_host_byte(struct access *access, uint8_t *byte, bool last, bool *good)
 {
     const unsigned word = access->write ? (unsigned)*byte << 4 | dg_biss_crc4(*byte, 8) : 0;
     uint64_t bits;
 
-    end(access->line, (word >> 11 & 1u) != 0); /* D7 goes first */
-    const unsigned back = send(access, word << 1, 12);
-    const bool stop = begin(access->line, &bits) > 0;
-    end(access->line, !last && !stop);
+    end_exchange(access->line, (word >> 11 & 1u) != 0); /* D7 goes first */
+    const unsigned back = clock_bits(access, word << 1, 12);
+    const bool stop = begin_exchange(access->line, &bits) > 0;
+    end_exchange(access->line, !last && !stop);
     *byte = (uint8_t)(back >> 4);
     *good = (back & 0x0Fu) == dg_biss_crc4(*byte, 8);
     return stop;
 }
 
 /* P = 1 refuses the byte itself, unless the encoder tells of the next one (stop_bit_early). */
-static int exchange_all(struct access *access, uint8_t *bytes, size_t n)
+static int exchange_registers(struct access *access, uint8_t *bytes, size_t n)
 {
     const struct dg_biss *device = access->line->device;
     bool stop = false;
@@ -244,7 +244,7 @@ static int exchange_all(struct access *access, uint8_t *bytes, size_t n)
         if (!await_start(access)) {
             return DG_HOST_ERR_SILENT;
         }
-        stop = exchange(access, &bytes[i], i + 1u == n, &good);
+        stop = exchange_host_byte(access, &bytes[i], i + 1u == n, &good);
         if (!good) {
             return DG_HOST_ERR_DAMAGED;
         }
@@ -254,8 +254,8 @@ static int exchange_all(struct access *access, uint8_t *bytes, size_t n)
 }
 
 /* `bytes` are sent when writing, and replaced by what came back. */
-static int reach(struct dg_host *self, uint64_t *now, uint8_t address, uint8_t *bytes, size_t n,
-                 bool write)
+static int access_registers(struct dg_host *self, uint64_t *now, uint8_t address, uint8_t *bytes,
+                            size_t n, bool write)
 {
     int result;
     struct access access = {.line = dg_host_line_at(self, &dg_biss_wire, *now, &result),
@@ -269,7 +269,7 @@ static int reach(struct dg_host *self, uint64_t *now, uint8_t address, uint8_t *
     }
     result = address_register(&access, address);
     if (result == DG_HOST_OK) {
-        result = exchange_all(&access, bytes, n);
+        result = exchange_registers(&access, bytes, n);
     }
     *now = access.line->now;
     dg_host_line_done(self);
@@ -281,7 +281,7 @@ int dg_host_registers_read(struct dg_host *self, uint64_t *now, uint8_t address,
 {
     return n == 0 || n > DG_BISS_BANK_SIZE || address > 0x7Fu
                ? DG_HOST_ERR_ARGUMENT
-               : reach(self, now, address, bytes, n, false);
+               : access_registers(self, now, address, bytes, n, false);
 }
 
 int dg_host_registers_write(struct dg_host *self, uint64_t *now, uint8_t address,
@@ -293,5 +293,5 @@ int dg_host_registers_write(struct dg_host *self, uint64_t *now, uint8_t address
         return DG_HOST_ERR_ARGUMENT;
     }
     memcpy(copy, bytes, n);
-    return reach(self, now, address, copy, n, true);
+    return access_registers(self, now, address, copy, n, true);
 }

@@ -48,7 +48,7 @@ static void state(const void *self, dg_ns now, struct dg_scpi *to)
     dg_state_number(to, "bank", device->bank);
 }
 
-static const struct dg_biss_port_ops *port_of(struct dg_scpi *session)
+static const struct dg_biss_port_ops *biss_port_of(struct dg_scpi *session)
 {
     return dg_control_port(session, &dg_biss_stack, "it is no BiSS encoder",
                            "no simulated BiSS wire");
@@ -69,7 +69,7 @@ static void put_frame(struct dg_scpi *session, const struct dg_biss_model *model
 static void frame(struct dg_scpi *session)
 {
     const struct dg_encoder *encoder = dg_control_selected(session);
-    const struct dg_biss_port_ops *port = port_of(session);
+    const struct dg_biss_port_ops *port = biss_port_of(session);
     char detail[DG_SCPI_DETAIL_MAX + 1u] = "";
     uint64_t bits = 0;
     uint8_t count = 0;
@@ -99,7 +99,7 @@ static void read(struct dg_scpi *session)
         (dg_scpi_more(session) && !dg_scpi_number(session, &sizes, &n))) {
         return;
     }
-    const struct dg_biss_port_ops *port = port_of(session);
+    const struct dg_biss_port_ops *port = biss_port_of(session);
     if (port == NULL) {
         return;
     }
@@ -132,7 +132,7 @@ static void write(struct dg_scpi *session)
         dg_scpi_raise(session, DG_SCPI_SUPERFLUOUS, "at most 64 bytes");
         return;
     }
-    const struct dg_biss_port_ops *port = port_of(session);
+    const struct dg_biss_port_ops *port = biss_port_of(session);
     if (port != NULL) {
         const int code =
             port->write(dg_control_selected(session)->port_ctx, (uint8_t)address, bytes, n, detail);

@@ -14,13 +14,13 @@
  */
 #include "biss_private.h"
 
-static void rest(struct dg_biss_line *line, enum dg_biss_line_state state)
+static void enter_rest(struct dg_biss_line *line, enum dg_biss_line_state state)
 {
     line->state = state;
     line->deadline = DG_NEVER;
 }
 
-static dg_ns timeout_ns(const struct dg_biss *self)
+static dg_ns biss_timeout_ns(const struct dg_biss *self)
 {
     const dg_ns chosen = self->setup.model->timeout;
     const dg_ns own = self->timeout == 0 ? DG_BISS_TIMEOUT_NS : DG_BISS_TIMEOUT_S_NS;
@@ -44,7 +44,7 @@ dg_ns dg_biss_step(struct dg_biss *self, dg_ns now)
     const dg_ns moment = line->deadline;
     const bool frame = has_cdm(line->state);
     line->slo = line->slo || line->state != DG_BISS_IDLE;
-    rest(line, line->ma ? DG_BISS_IDLE : DG_BISS_RETURN);
+    enter_rest(line, line->ma ? DG_BISS_IDLE : DG_BISS_RETURN);
     if (frame) {
         dg_biss_cdm(self, moment, !line->ma);
     }
@@ -52,7 +52,7 @@ dg_ns dg_biss_step(struct dg_biss *self, dg_ns now)
 }
 
 /* The sensor is read at e1, and takes its time from there. */
-static uint8_t latch(struct dg_biss *self, dg_ns now, uint64_t *bits)
+static uint8_t latch_position(struct dg_biss *self, dg_ns now, uint64_t *bits)
 {
     const struct dg_biss_model *model = self->setup.model;
 
@@ -64,7 +64,7 @@ static uint8_t latch(struct dg_biss *self, dg_ns now, uint64_t *bits)
     return dg_biss_latch(self, now, bits);
 }
 
-static void rising(struct dg_biss *self, dg_ns now, bool sli)
+static void take_rising_edge(struct dg_biss *self, dg_ns now, bool sli)
 {
     struct dg_biss_line *line = &self->line;
 
@@ -72,8 +72,8 @@ static void rising(struct dg_biss *self, dg_ns now, bool sli)
     case DG_BISS_OFF:
         break;
     case DG_BISS_IDLE:
-        line->length = latch(self, now, &line->shift);
-        line->timeout = (uint32_t)timeout_ns(self); /* 7Ch is written between frames */
+        line->length = latch_position(self, now, &line->shift);
+        line->timeout = (uint32_t)biss_timeout_ns(self); /* 7Ch is written between frames */
         line->state = DG_BISS_ACK;
         break;
     case DG_BISS_ACK:
@@ -97,7 +97,7 @@ static void rising(struct dg_biss *self, dg_ns now, bool sli)
         line->slo = (line->shift >> line->length & 1u) != 0;
         break;
     case DG_BISS_RETURN:
-        rest(line, DG_BISS_IDLE);
+        enter_rest(line, DG_BISS_IDLE);
         break;
     }
 }
@@ -118,7 +118,7 @@ static inline bool shifts(const struct dg_biss_line *line, dg_ns now, bool level
 }
 
 /* What take_any_edge() does with such an edge. */
-static inline void shift(struct dg_biss *self, dg_ns now, bool level, bool sli)
+static inline void shift_bit(struct dg_biss *self, dg_ns now, bool level, bool sli)
 {
     struct dg_biss_line *line = &self->line;
 
@@ -145,10 +145,10 @@ static bool take_any_edge(struct dg_biss *self, dg_ns now, bool level, bool sli)
     }
     line->ma = level;
     if (level) {
-        rising(self, now, sli);
+        take_rising_edge(self, now, sli);
     }
     if (line->state != DG_BISS_OFF && (line->state != DG_BISS_IDLE || !level)) {
-        line->deadline = dg_after(now, timeout_ns(self));
+        line->deadline = dg_after(now, biss_timeout_ns(self));
     }
     return slo_of(self, sli);
 }
@@ -158,7 +158,7 @@ static inline bool take_edge(struct dg_biss *self, dg_ns now, bool level, bool s
     if (!shifts(&self->line, now, level)) {
         return take_any_edge(self, now, level, sli);
     }
-    shift(self, now, level, sli);
+    shift_bit(self, now, level, sli);
     return self->line.slo;
 }
 
@@ -248,9 +248,9 @@ static bool chain_shifts(struct dg_biss_chain *self, dg_ns now, bool level)
     const uint8_t last = (uint8_t)(self->count - 1u);
 
     for (uint8_t i = 0; i < last; i++) {
-        shift(self->slave[i], now, level, self->slave[i + 1u]->line.slo);
+        shift_bit(self->slave[i], now, level, self->slave[i + 1u]->line.slo);
     }
-    shift(self->slave[last], now, level, false);
+    shift_bit(self->slave[last], now, level, false);
     return self->slave[0]->line.slo;
 }
 
@@ -297,7 +297,7 @@ uint8_t dg_biss_frame(struct dg_biss *self, dg_ns e1, uint64_t *bits)
     if (self->line.state == DG_BISS_OFF) {
         return 0;
     }
-    const uint8_t length = latch(self, e1, bits);
+    const uint8_t length = latch_position(self, e1, bits);
     *bits |= (uint64_t)dg_biss_cds(self, false) << length;
     return (uint8_t)(length + 1u);
 }

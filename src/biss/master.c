@@ -25,7 +25,7 @@
 #define CTS (1u << 10)
 #define ADDRESS_BITS 11u
 
-static const struct dg_biss_model *model_of(const struct dg_bus_master *self, size_t place)
+static const struct dg_biss_model *biss_model_of(const struct dg_bus_master *self, size_t place)
 {
     return dg_bus_settings(self->setup.bus, place);
 }
@@ -55,7 +55,7 @@ static void await_ack(struct dg_bus_master *self)
     self->silent += !self->answered;
 }
 
-static uint64_t take_bits(struct dg_bus_master *self, uint8_t count)
+static uint64_t read_bits(struct dg_bus_master *self, uint8_t count)
 {
     uint64_t bits = 0;
 
@@ -66,7 +66,7 @@ static uint64_t take_bits(struct dg_bus_master *self, uint8_t count)
 }
 
 /* Up to the last bit of the last CRC; its CDM bit is not yet decided. @return CDS */
-static bool begin_frame(struct dg_bus_master *self)
+static bool open_frame(struct dg_bus_master *self)
 {
     await_ack(self);
     for (unsigned i = 0; i < START_CLOCKS_MAX && !dg_bus_master_bit(self); i++) {
@@ -75,7 +75,7 @@ static bool begin_frame(struct dg_bus_master *self)
     const dg_ns known = self->now + self->delay + self->half_ns;
     self->cds = dg_bus_master_bit(self);
     for (size_t i = 0; i < dg_bus_count(self->setup.bus); i++) {
-        self->bits[i] = take_bits(self, dg_biss_frame_bits(model_of(self, i)));
+        self->bits[i] = read_bits(self, dg_biss_frame_bits(biss_model_of(self, i)));
     }
     /* The master did not know when to end before it had seen the start bit. */
     while (self->now < known) {
@@ -85,7 +85,7 @@ static bool begin_frame(struct dg_bus_master *self)
 }
 
 /* With this CDM bit, and the timeout. */
-static void end_frame(struct dg_bus_master *self, bool cdm)
+static void close_frame(struct dg_bus_master *self, bool cdm)
 {
     if (cdm) {
         dg_bus_master_edge(self, false);
@@ -98,8 +98,8 @@ static void end_frame(struct dg_bus_master *self, bool cdm)
 
 static void read_frame(struct dg_bus_master *self)
 {
-    (void)begin_frame(self);
-    end_frame(self, false);
+    (void)open_frame(self);
+    close_frame(self, false);
 }
 
 static void skip_frames(const struct dg_bus_master *self, uint64_t n)
@@ -109,11 +109,11 @@ static void skip_frames(const struct dg_bus_master *self, uint64_t n)
     }
 }
 
-static struct dg_biss_data data_of(const struct dg_bus_master *self, size_t place)
+static struct dg_biss_data frame_data_of(const struct dg_bus_master *self, size_t place)
 {
     struct dg_biss_data data;
 
-    dg_biss_frame_decode(model_of(self, place), self->bits[place], &data);
+    dg_biss_frame_decode(biss_model_of(self, place), self->bits[place], &data);
     return data;
 }
 
@@ -122,16 +122,16 @@ static enum dg_master_verdict judge(const struct dg_bus_master *self, size_t pla
     if (!self->answered) {
         return DG_MASTER_SILENT;
     }
-    return data_of(self, place).crc_ok ? DG_MASTER_GOOD : DG_MASTER_WRONG;
+    return frame_data_of(self, place).crc_ok ? DG_MASTER_GOOD : DG_MASTER_WRONG;
 }
 
 static void tell_word(const struct dg_bus_master *self, size_t place, struct dg_master_word *to)
 {
-    const struct dg_biss_data data = data_of(self, place);
+    const struct dg_biss_data data = frame_data_of(self, place);
 
     *to = (struct dg_master_word){
         .bits = self->bits[place],
-        .count = dg_biss_frame_bits(model_of(self, place)),
+        .count = dg_biss_frame_bits(biss_model_of(self, place)),
         .position = data.position,
         .multiturn = data.multiturn,
         .singleturn = data.singleturn,
@@ -142,8 +142,8 @@ static void tell_word(const struct dg_bus_master *self, size_t place, struct dg_
 }
 
 /* What stands behind the position, each name with these blanks in front. */
-static void say_rest(const struct dg_biss_data *data, const char *blanks, const char *crc,
-                     struct dg_text *to)
+static void say_status_bits(const struct dg_biss_data *data, const char *blanks, const char *crc,
+                            struct dg_text *to)
 {
     dg_text_add(to, blanks);
     dg_master_say(to, "nERR ", data->n_err);
@@ -158,10 +158,10 @@ static void say_rest(const struct dg_biss_data *data, const char *blanks, const 
 
 static void note_frame(const struct dg_bus_master *self, size_t place, struct dg_text *to)
 {
-    const struct dg_biss_data data = data_of(self, place);
+    const struct dg_biss_data data = frame_data_of(self, place);
 
     dg_master_note_position(to, data.multiturn, data.singleturn);
-    say_rest(&data, " ", data.crc_ok ? "ok" : "wrong", to);
+    say_status_bits(&data, " ", data.crc_ok ? "ok" : "wrong", to);
     if (self->start > START_MAX) {
         dg_master_say(to, ", start bit after ", self->start / DG_US(1));
         dg_text_add(to, " us");
@@ -174,11 +174,11 @@ static void note_frame(const struct dg_bus_master *self, size_t place, struct dg
 
 static void print_frame(const struct dg_bus_master *self, size_t place, struct dg_text *to)
 {
-    const struct dg_biss_data data = data_of(self, place);
+    const struct dg_biss_data data = frame_data_of(self, place);
 
     dg_master_line_position(to, data.multiturn, data.singleturn,
-                            model_of(self, place)->singleturn_bits);
-    say_rest(&data, "  ", data.crc_ok ? "valid" : "WRONG", to);
+                            biss_model_of(self, place)->singleturn_bits);
+    say_status_bits(&data, "  ", data.crc_ok ? "valid" : "WRONG", to);
 }
 
 const struct dg_master_protocol dg_biss_master = {
@@ -195,14 +195,14 @@ const struct dg_master_protocol dg_biss_master = {
 
 static bool clock_frame(struct dg_bus_master *master, bool cdm)
 {
-    const bool cds = begin_frame(master);
+    const bool cds = open_frame(master);
 
-    end_frame(master, cdm);
+    close_frame(master, cdm);
     return cds;
 }
 
 /* The last `n` bits of `bits`. @return what came back, its last bit in bit 0 */
-static unsigned send(struct dg_bus_master *master, unsigned bits, unsigned n)
+static unsigned send_bits(struct dg_bus_master *master, unsigned bits, unsigned n)
 {
     unsigned back = 0;
 
@@ -222,10 +222,10 @@ static int address_register(struct dg_bus_master *master, const struct dg_biss_a
     const bool write = access->sent != NULL;
     const unsigned wanted = write ? 1u : 2u;
 
-    (void)send(master, 0, ZERO_FRAMES);
+    (void)send_bits(master, 0, ZERO_FRAMES);
     (void)clock_frame(master, true);
     const unsigned locks =
-        send(master, bits << 4 | dg_biss_crc4(bits, ADDRESS_BITS), ADDRESS_BITS + 4u);
+        send_bits(master, bits << 4 | dg_biss_crc4(bits, ADDRESS_BITS), ADDRESS_BITS + 4u);
     (void)clock_frame(master, !write);
     unsigned answer = clock_frame(master, write) ? 2u : 0u;
     answer |= clock_frame(master, true) ? 1u : 0u;
@@ -236,12 +236,12 @@ static int address_register(struct dg_bus_master *master, const struct dg_biss_a
 }
 
 /* S is repeated until it comes back; the frame it comes back in stays open. */
-static bool await_start(struct dg_bus_master *master)
+static bool await_start_bit(struct dg_bus_master *master)
 {
     const dg_ns begin = master->now;
 
-    while (!begin_frame(master)) {
-        end_frame(master, true);
+    while (!open_frame(master)) {
+        close_frame(master, true);
         if (master->now - begin > BUSY_MAX_NS) {
             return false;
         }
@@ -250,17 +250,17 @@ static bool await_start(struct dg_bus_master *master)
 }
 
 /* Byte `index` is exchanged. @return P */
-static bool exchange(struct dg_bus_master *master, const struct dg_biss_access *access,
-                     size_t index, bool *good)
+static bool exchange_register(struct dg_bus_master *master, const struct dg_biss_access *access,
+                              size_t index, bool *good)
 {
     const bool last = index + 1u == access->n;
     const uint8_t byte = access->sent == NULL ? 0 : access->sent[index];
     const unsigned word = access->sent == NULL ? 0 : (unsigned)byte << 4 | dg_biss_crc4(byte, 8);
 
-    end_frame(master, (word >> 11 & 1u) != 0); /* D7 goes first */
-    const unsigned back = send(master, word << 1, 12);
-    const bool stop = begin_frame(master);
-    end_frame(master, !last && !stop);
+    close_frame(master, (word >> 11 & 1u) != 0); /* D7 goes first */
+    const unsigned back = send_bits(master, word << 1, 12);
+    const bool stop = open_frame(master);
+    close_frame(master, !last && !stop);
     *good = (back & 0x0Fu) == dg_biss_crc4(back >> 4, 8);
     if (access->got != NULL) {
         access->got[index] = (uint8_t)(back >> 4);
@@ -278,20 +278,21 @@ static int exchange_all(struct dg_bus_master *master, const struct dg_biss_acces
 
     for (size_t i = first; i < access->n && !stop; i++) {
         bool good = false;
-        if (!await_start(master)) {
+        if (!await_start_bit(master)) {
             return DG_BISS_TOO_BUSY;
         }
-        stop = exchange(master, access, i, &good);
+        stop = exchange_register(master, access, i, &good);
         if (!good) {
             return DG_BISS_DAMAGED;
         }
-        done += !stop || model_of(master, access->place)->stop_bit_early;
+        done += !stop || biss_model_of(master, access->place)->stop_bit_early;
     }
     return done > 0 ? done : DG_BISS_REFUSED;
 }
 
 /* One control frame, which begins with register `first`. An SLO that reads high is no echo. */
-static int transfer(struct dg_bus_master *master, const struct dg_biss_access *access, size_t first)
+static int transfer_registers(struct dg_bus_master *master, const struct dg_biss_access *access,
+                              size_t first)
 {
     const uint32_t silent = master->silent;
     int result = address_register(master, access, (uint8_t)(access->address + first));
@@ -364,7 +365,7 @@ int dg_biss_access(struct dg_bus_master *master, struct dg_biss_access *access)
 
     access->done = 0;
     while (result >= 0 && access->done < access->n) {
-        result = transfer(master, access, access->done);
+        result = transfer_registers(master, access, access->done);
         access->done += result > 0 ? (size_t)result : 0;
     }
     if (access->done > 0) {

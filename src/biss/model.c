@@ -75,7 +75,7 @@ static void copy(void *to, const void *from)
 }
 
 /* Whether its frames are those of a model without a form. */
-static bool is_usual(const struct dg_biss_form *form)
+static bool is_usual_form(const struct dg_biss_form *form)
 {
     return form->layout[0] == '\0' && !form->error_high && !form->warning_high &&
            form->crc_poly == dg_biss_any_form.crc_poly && form->crc_start == 0 && !form->crc_plain;
@@ -110,7 +110,7 @@ static bool take_device_id(struct text_model *self)
 static const char *settle_model(void *model)
 {
     struct text_model *self = model;
-    const bool usual = is_usual(&self->form);
+    const bool usual = is_usual_form(&self->form);
     const char *right = NULL;
 
     if (!take_device_id(self)) {

@@ -45,7 +45,7 @@ static dg_ns rounded_up(const struct characters_pace *pace)
     return dg_after(pace->whole, pace->rest > 0 ? 1u : 0u);
 }
 
-static bool fits(const struct characters_place *self, uint32_t baud, char parity)
+static bool fits_setting(const struct characters_place *self, uint32_t baud, char parity)
 {
     return self->end.any_line || baud == DG_BAUD_ANY ||
            (baud == self->pace.baud && (parity == 0 || parity == self->pace.parity));
@@ -79,7 +79,7 @@ static void follow_setting(struct characters_place *self)
 }
 
 /* Behind each of them: its deadline, the setting it may have changed, what it has said. */
-static void follow(struct characters_place *self, dg_ns now, dg_ns deadline)
+static void follow_encoder(struct characters_place *self, dg_ns now, dg_ns deadline)
 {
     /* Whoever asks for the present again would stop time. */
     self->place.deadline = deadline > now ? deadline : dg_after(now, 1);
@@ -94,7 +94,7 @@ static void follow_character(struct characters_place *self, dg_ns now, dg_ns dea
     if (self->steady && self->said == 0 && self->place.deadline > now && deadline > now) {
         self->place.deadline = deadline;
     } else {
-        follow(self, now, deadline);
+        follow_encoder(self, now, deadline);
     }
 }
 
@@ -147,7 +147,8 @@ void dg_bus_spread(struct characters_place *from, dg_ns at, uint8_t byte, bool d
     for (size_t i = 0; i < bus->count; i++) {
         struct characters_place *to = characters_place_at(bus, i);
         if (to != from && !dg_bus_reply_is_busy(to)) {
-            hear_character(to, at, byte, damaged || !fits(to, from->pace.baud, from->pace.parity));
+            hear_character(to, at, byte,
+                           damaged || !fits_setting(to, from->pace.baud, from->pace.parity));
         }
     }
 }
@@ -176,13 +177,13 @@ static bool is_deaf(struct characters_place *self, dg_ns now, uint8_t byte)
 }
 
 /* A character of the master, as one encoder hears it. */
-static void listen(struct characters_place *self, const struct characters_coming *coming,
-                   bool damaged)
+static void listen_to_character(struct characters_place *self,
+                                const struct characters_coming *coming, bool damaged)
 {
     if (dg_host_powered(self->place.host) && !dg_bus_reply_is_busy(self) &&
         !is_deaf(self, coming->end, coming->byte)) {
         hear_character(self, coming->end, coming->byte,
-                       damaged || !fits(self, coming->baud, coming->parity));
+                       damaged || !fits_setting(self, coming->baud, coming->parity));
     }
 }
 
@@ -197,7 +198,7 @@ static bool anybody_sends(const struct dg_bus *self, dg_ns now)
 }
 
 /* A character of the master is over. */
-static void arrive(struct dg_bus *self, const struct characters_coming *coming)
+static void deliver_character(struct dg_bus *self, const struct characters_coming *coming)
 {
     struct characters_line *line = characters_line_of(self);
     const bool meets = anybody_sends(self, coming->end);
@@ -208,7 +209,7 @@ static void arrive(struct dg_bus *self, const struct characters_coming *coming)
     }
     line->counters.collided += meets ? 1u : 0u;
     for (size_t i = 0; i < self->count; i++) {
-        listen(characters_place_at(self, i), coming, coming->damaged || meets);
+        listen_to_character(characters_place_at(self, i), coming, coming->damaged || meets);
     }
     line->heard = coming->end;
 }
@@ -302,14 +303,14 @@ static void count_late(struct characters_place *self, dg_ns deadline)
 
 /* All that were due at `deadline`, before one of them hears what another one says. What they say is
  * of the moment that they say it at. */
-static void step_encoders(const struct dg_bus *self, dg_ns deadline, dg_ns now)
+static void step_line_encoders(const struct dg_bus *self, dg_ns deadline, dg_ns now)
 {
     for (size_t i = 0; i < self->count; i++) {
         struct characters_place *place = characters_place_at(self, i);
         if (place->place.deadline <= deadline) {
             count_late(place, deadline);
             dg_host_skip(place->place.host, now);
-            follow(place, now, dg_host_step(place->place.host, now));
+            follow_encoder(place, now, dg_host_step(place->place.host, now));
         }
     }
 }
@@ -339,7 +340,7 @@ static void serve_line(struct dg_bus *self, const struct upcoming *next)
 {
     if (next->coming <= next->reply) {
         const struct characters_coming character = take_coming(characters_line_of(self));
-        arrive(self, &character);
+        deliver_character(self, &character);
     } else {
         dg_bus_reply_go_on(next->sends, next->reply);
     }
@@ -354,7 +355,7 @@ static void go_on_until(struct dg_bus *self, dg_ns now, dg_ns due)
     while (steps || is_on_line(&next, now)) {
         if (steps) {
             const dg_ns on_line = dg_earliest(next.coming, next.reply);
-            step_encoders(self, next.deadline, step_time(self, next.deadline, on_line));
+            step_line_encoders(self, next.deadline, step_time(self, next.deadline, on_line));
         } else {
             serve_line(self, &next);
         }
@@ -389,7 +390,7 @@ static void take_character(struct dg_bus *self, const struct dg_tap_event *event
     if (characters_line_of(self)->setup.paced) {
         put_coming(self, &coming);
     } else {
-        arrive(self, &coming);
+        deliver_character(self, &coming);
     }
 }
 
@@ -438,7 +439,7 @@ static void changed(struct bus_place *place, dg_ns now)
 {
     struct characters_place *self = (struct characters_place *)(void *)place;
 
-    follow(self, now, place->deadline);
+    follow_encoder(self, now, place->deadline);
     if (!dg_host_powered(place->host)) {
         dg_bus_reply_stop(self);
         self->deaf = false;
@@ -497,7 +498,7 @@ struct dg_host_uart dg_bus_characters_uart(const struct dg_bus *self, size_t pla
 
 bool dg_bus_characters_fits(const struct dg_bus *self, size_t place, uint32_t baud, char parity)
 {
-    return fits(characters_place_at(self, place), baud, parity);
+    return fits_setting(characters_place_at(self, place), baud, parity);
 }
 
 struct dg_characters_counters dg_bus_characters_counters(const struct dg_bus *self)

@@ -28,7 +28,7 @@ struct header {
     uint32_t sum;  /* likewise */
 };
 
-static struct header header_of(const struct dg_bus *self)
+static struct header bus_header_of(const struct dg_bus *self)
 {
     struct header header = {
         .order = ORDER,
@@ -168,7 +168,7 @@ size_t dg_bus_state_size(const struct dg_bus *self)
 
 int dg_bus_save(const struct dg_bus *self, void *to, size_t n)
 {
-    struct header header = header_of(self);
+    struct header header = bus_header_of(self);
     struct bus_tape tape = {.way = BUS_TAPE_SAVE,
                             .to = (uint8_t *)to + sizeof header,
                             .size = body_size(self),
@@ -189,7 +189,8 @@ int dg_bus_save(const struct dg_bus *self, void *to, size_t n)
 
 /* The sum tells a damaged state. One that somebody has made has a right one: all of it is looked at
  * before any of it is there. */
-static bool is_sound(const struct dg_bus *self, const struct header *header, const uint8_t *body)
+static bool is_sound_bus(const struct dg_bus *self, const struct header *header,
+                         const uint8_t *body)
 {
     struct bus_tape tape = {
         .way = BUS_TAPE_CHECK, .from = body, .size = header->size, .good = true};
@@ -206,7 +207,7 @@ static bool is_sound(const struct dg_bus *self, const struct header *header, con
 int dg_bus_restore(struct dg_bus *self, const void *from, size_t n)
 {
     const uint8_t *body = (const uint8_t *)from + sizeof(struct header);
-    const struct header mine = header_of(self);
+    const struct header mine = bus_header_of(self);
     struct header header;
 
     if (n < sizeof header) {
@@ -219,7 +220,7 @@ int dg_bus_restore(struct dg_bus *self, const void *from, size_t n)
     if (header.size > n - sizeof header) {
         return DG_HOST_ERR_SPACE;
     }
-    if (!is_sound(self, &header, body)) {
+    if (!is_sound_bus(self, &header, body)) {
         return DG_HOST_ERR_DAMAGED;
     }
     struct bus_tape tape = {

@@ -85,7 +85,7 @@ void dg_bus_characters_pass_wire(const struct dg_bus *self, struct bus_tape *tap
 }
 
 /* Something is to happen to a reply that is on its way, in time, and to no other. */
-static bool is_sound(const struct characters_reply *reply, dg_ns now)
+static bool is_sound_reply(const struct characters_reply *reply, dg_ns now)
 {
     const bool on_the_way = reply->sent < reply->length;
     const bool timed = reply->next == reply->start || reply->next == reply->to;
@@ -103,7 +103,8 @@ void dg_bus_characters_pass_place(struct bus_place *base, struct bus_tape *tape)
 
     copy.place.deadline = dg_bus_tape_deadline(tape, base);
     dg_bus_tape_members(tape, place_rows, DG_COUNT(place_rows), place, &copy);
-    dg_bus_tape_expect(tape, is_sound(&copy.reply, tape->now) && copy.kept == (copy.said > 0));
+    dg_bus_tape_expect(tape,
+                       is_sound_reply(&copy.reply, tape->now) && copy.kept == (copy.said > 0));
     if (tape->way == BUS_TAPE_RESTORE) {
         *place = copy;
     }

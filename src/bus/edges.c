@@ -211,7 +211,7 @@ static void run_encoders(const struct dg_bus *bus, dg_ns until)
 }
 
 /* Nothing is due before. Without a cable the answer comes at once: one event for both. */
-static void take_edge(const struct dg_bus *bus, bool level)
+static void take_bus_edge(const struct dg_bus *bus, bool level)
 {
     struct edges *self = edges_of(bus);
     const dg_ns there = dg_after(bus->now, self->there_ns);
@@ -254,7 +254,7 @@ bool dg_bus_edge(struct dg_bus *bus, dg_ns now, bool level)
         let_arrive(bus, dg_elapsed(now, 1));
     }
     bus->now = now;
-    take_edge(bus, level);
+    take_bus_edge(bus, level);
     return self->cable.level;
 }
 
@@ -360,7 +360,7 @@ static void take_clock(struct dg_bus *bus, const struct dg_tap_event *event)
 {
     if (event->kind == DG_TAP_LEVELS) {
         run_encoders(bus, dg_after(bus->now, edges_of(bus)->there_ns));
-        take_edge(bus, event->levels.clock);
+        take_bus_edge(bus, event->levels.clock);
     }
 }
 

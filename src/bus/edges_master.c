@@ -14,14 +14,14 @@
 #define PER_DEGREE 1000000u
 
 /* Edges of the clock in a second. */
-static uint32_t edges_of(const struct dg_bus_master_setup *setup)
+static uint32_t edges_per_second(const struct dg_bus_master_setup *setup)
 {
     return 2u * setup->clock_hz;
 }
 
 static uint32_t half_of(const struct dg_bus_master_setup *setup)
 {
-    return (uint32_t)(DG_S(1) / edges_of(setup));
+    return (uint32_t)(DG_S(1) / edges_per_second(setup));
 }
 
 struct dg_bus_edges_setup dg_bus_master_wire(const struct dg_bus_master_setup *setup)
@@ -40,7 +40,7 @@ void dg_bus_master_init(struct dg_bus_master *self, const struct dg_bus_master_s
     *self = (struct dg_bus_master){
         .setup = *setup,
         .half_ns = half_of(setup),
-        .rest = (uint32_t)(DG_S(1) % edges_of(setup)),
+        .rest = (uint32_t)(DG_S(1) % edges_per_second(setup)),
         .now = now,
     };
 }
@@ -52,10 +52,10 @@ static dg_ns next_edge(struct dg_bus_master *self)
     const dg_ns at = self->now + self->half_ns;
 
     self->owed += self->rest;
-    if (self->owed < edges_of(&self->setup)) {
+    if (self->owed < edges_per_second(&self->setup)) {
         return at;
     }
-    self->owed -= edges_of(&self->setup);
+    self->owed -= edges_per_second(&self->setup);
     return at + 1u;
 }
 
@@ -122,7 +122,7 @@ void dg_master_note_position(struct dg_text *to, uint32_t multiturn, uint32_t si
 }
 
 /* In units of the last place, to the nearest one; from the middle to the even one. */
-static uint64_t angle_of(uint32_t singleturn, uint8_t bits)
+static uint64_t degrees_of(uint32_t singleturn, uint8_t bits)
 {
     const uint64_t product = (uint64_t)singleturn * DEGREES * PER_DEGREE;
     const uint64_t mask = ((uint64_t)1 << bits) - 1u;
@@ -140,7 +140,7 @@ void dg_master_line_position(struct dg_text *to, uint32_t multiturn, uint32_t si
     dg_master_say(to, "MT ", multiturn);
     dg_master_say(to, "  ST ", singleturn);
     dg_text_add(to, "  ");
-    dg_text_add_n(to, digits, dg_text_digits(digits, angle_of(singleturn, bits), false, PLACES));
+    dg_text_add_n(to, digits, dg_text_digits(digits, degrees_of(singleturn, bits), false, PLACES));
     dg_text_add(to, " deg");
 }
 
@@ -160,7 +160,7 @@ void dg_bus_master_note(const struct dg_bus_master *self, const char *text,
     dg_bus_tell(self->setup.bus, &event);
 }
 
-static enum dg_severity severity_of(const struct dg_bus_master *self, size_t place)
+static enum dg_severity reading_severity_of(const struct dg_bus_master *self, size_t place)
 {
     const struct dg_master_protocol *protocol = self->setup.protocol;
     struct dg_master_word word;
@@ -189,6 +189,6 @@ void dg_bus_master_read(struct dg_bus_master *self)
         } else {
             protocol->note(self, i, &text);
         }
-        dg_bus_master_note(self, note, severity_of(self, i));
+        dg_bus_master_note(self, note, reading_severity_of(self, i));
     }
 }

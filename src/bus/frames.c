@@ -29,8 +29,8 @@ static bool is_free(const struct dg_bus *self)
 }
 
 /* It begins at `begin`. */
-static void transmit(struct dg_bus *self, size_t from, const struct dg_tap_event *event,
-                     dg_ns begin)
+static void transmit_frame(struct dg_bus *self, size_t from, const struct dg_tap_event *event,
+                           dg_ns begin)
 {
     struct frames_wire *wire = dg_bus_frames_wire(self);
     const uint32_t bits = DG_CAN_BITS(1u, dg_can_bytes(&event->frame));
@@ -80,7 +80,7 @@ static void await_turn(struct dg_bus *self, size_t from, const struct dg_can_fra
     }
 }
 
-static void emit(struct dg_bus *self, size_t from, const struct dg_tap_event *event)
+static void emit_event(struct dg_bus *self, size_t from, const struct dg_tap_event *event)
 {
     const struct frames_wire *wire = dg_bus_frames_wire(self);
 
@@ -90,7 +90,7 @@ static void emit(struct dg_bus *self, size_t from, const struct dg_tap_event *ev
     }
     tell_frame(self, from, event);
     if (is_free(self) && wire->sending.count == 0) {
-        transmit(self, from, event, self->now);
+        transmit_frame(self, from, event, self->now);
     } else {
         await_turn(self, from, &event->frame);
     }
@@ -100,7 +100,7 @@ static void emit_frame(struct dg_bus *self, size_t from, const struct dg_can_fra
 {
     const struct dg_tap_event event = event_of(self, frame);
 
-    emit(self, from, &event);
+    emit_event(self, from, &event);
 }
 
 static void fetch_waiting(struct frames_wire *wire, struct dg_bus_frames_room *sent)
@@ -125,7 +125,7 @@ static void send_waiting(struct dg_bus *self)
         if (wire->setup.arbitrate) {
             tell_frame(self, sent.from, &event);
         }
-        transmit(self, sent.from, &event, begin);
+        transmit_frame(self, sent.from, &event, begin);
     }
     wire->full = wire->full && wire->sending.count > DG_BUS_FRAMES_PACED / 2u;
 }
@@ -169,7 +169,7 @@ static void send_bent(struct frames_place *from, const struct dg_can_frame *fram
     }
 }
 
-static bool is_bent(const struct frames_place *place)
+static bool is_frame_bent(const struct frames_place *place)
 {
     const struct dg_encoder *control = place->base.control;
 
@@ -179,10 +179,10 @@ static bool is_bent(const struct frames_place *place)
 /* Through the faults of its wire. */
 static void send_event(struct frames_place *from, const struct dg_tap_event *event)
 {
-    if (is_bent(from)) {
+    if (is_frame_bent(from)) {
         send_bent(from, &event->frame);
     } else {
-        emit(from->base.bus, from->base.index, event);
+        emit_event(from->base.bus, from->base.index, event);
     }
 }
 
@@ -194,7 +194,7 @@ static enum dg_bus_answer ask_memory(const struct frames_place *from)
 }
 
 /* Behind what the encoder has written, when that is durable. */
-static void acknowledge(struct frames_place *from, const struct dg_tap_event *event)
+static void acknowledge_frame(struct frames_place *from, const struct dg_tap_event *event)
 {
     struct dg_bus *self = from->base.bus;
     struct frames_wire *wire = dg_bus_frames_wire(self);
@@ -210,7 +210,7 @@ static void acknowledge(struct frames_place *from, const struct dg_tap_event *ev
 }
 
 /* What the encoder tells of itself may have changed. */
-static void follow(struct frames_place *place)
+static void refresh_filters(struct frames_place *place)
 {
     const uint32_t version = place->ask->version(place->device);
 
@@ -231,7 +231,7 @@ static void hear_frame(struct bus_place *base, const struct dg_host_event *event
                                           .rtr = (event->flags & DG_HOST_REMOTE) != 0,
                                           .dlc = event->length}};
 
-    follow(from);
+    refresh_filters(from);
     if (dg_bus_frames_wire(base->bus)->refiltered) {
         dg_bus_filter_tell(base->bus);
     }
@@ -240,7 +240,7 @@ static void hear_frame(struct bus_place *base, const struct dg_host_event *event
     }
     memcpy(sent.frame.data, event->data, sizeof sent.frame.data);
     if (from->ask->acknowledges(from->device, event->id)) {
-        acknowledge(from, &sent);
+        acknowledge_frame(from, &sent);
     } else {
         send_event(from, &sent);
     }
@@ -273,7 +273,7 @@ static void note_deadline(struct frames_place *place, dg_ns due)
     wire->passed = wire->passed || (place->due <= wire->soonest && due > place->due);
     wire->soonest = dg_earliest(wire->soonest, due);
     place->due = due;
-    follow(place);
+    refresh_filters(place);
 }
 
 /* Whoever had to wait is late: it does once what it has missed. */
@@ -322,7 +322,7 @@ static void feed_all(struct dg_bus *self, const struct dg_host_event *event, siz
 
 /* To those that listen, but for `from`; DG_BUS_FRAMES_ENCODERS: the other end sent it. Most frames
  * are for one encoder. */
-static void offer(struct dg_bus *self, const struct dg_can_frame *frame, size_t from)
+static void offer_frame(struct dg_bus *self, const struct dg_can_frame *frame, size_t from)
 {
     const uint16_t id = frame->id % FRAMES_IDS;
     const size_t filter = dg_bus_frames_wire(self)->head[id];
@@ -354,7 +354,7 @@ static void hear_each_other(struct dg_bus *self)
 
     for (uint16_t left = wire->heard.count; left > 0; left--) {
         const struct dg_bus_frames_room heard = dg_bus_room_fetch(wire, &wire->heard);
-        offer(self, &heard.frame, heard.from);
+        offer_frame(self, &heard.frame, heard.from);
     }
 }
 
@@ -369,7 +369,7 @@ static void find_soonest(struct dg_bus *self)
     }
 }
 
-static void step_encoders(struct dg_bus *self)
+static void step_frame_encoders(struct dg_bus *self)
 {
     if (dg_bus_frames_wire(self)->soonest > self->now) {
         return;
@@ -414,7 +414,7 @@ static void settle_encoders(struct dg_bus *self)
         if (wire->retuned) {
             dg_bus_line_tune(self);
         }
-        step_encoders(self);
+        step_frame_encoders(self);
         if (wire->unsure && !wire->retuned) {
             tell_presence(self);
         }
@@ -525,7 +525,7 @@ static void take_frame(struct dg_bus *self, const struct dg_tap_event *event)
     }
     tell_other_end(self, event);
     count_bits(self, DG_CAN_BITS(1u, dg_can_bytes(&event->frame)));
-    offer(self, &event->frame, DG_BUS_FRAMES_ENCODERS);
+    offer_frame(self, &event->frame, DG_BUS_FRAMES_ENCODERS);
 }
 
 void dg_bus_frames_count(struct dg_bus *self, dg_ns now, uint32_t bits)

@@ -21,12 +21,12 @@ static uint16_t *link_to(const struct dg_bus *self, uint16_t id, uint16_t filter
     return link;
 }
 
-static uint16_t number_of(const struct frames_place *place, uint8_t filter)
+static uint16_t filter_number_of(const struct frames_place *place, uint8_t filter)
 {
     return (uint16_t)(DG_HOST_FILTERS * place->base.index + filter + 1u);
 }
 
-static bool are_same(const struct frames_place *place, const uint16_t *ids, uint8_t count)
+static bool are_same_filters(const struct frames_place *place, const uint16_t *ids, uint8_t count)
 {
     bool same = count == place->filters;
 
@@ -42,16 +42,16 @@ void dg_bus_filter_list(struct frames_wire *self, struct frames_place *place)
     uint16_t ids[DG_HOST_FILTERS];
     const uint8_t count = place->hears ? place->ask->listens(place->device, ids) : 0;
 
-    if (are_same(place, ids, count)) {
+    if (are_same_filters(place, ids, count)) {
         return;
     }
     for (uint8_t i = 0; i < place->filters; i++) {
-        *link_to(bus, place->filter[i].id, number_of(place, i)) = place->filter[i].next;
+        *link_to(bus, place->filter[i].id, filter_number_of(place, i)) = place->filter[i].next;
     }
     for (uint8_t i = 0; i < count; i++) {
         uint16_t *head = &self->head[ids[i] % FRAMES_IDS];
         place->filter[i] = (struct frames_filter){(uint16_t)(ids[i] % FRAMES_IDS), *head};
-        *head = number_of(place, i);
+        *head = filter_number_of(place, i);
     }
     place->filters = count;
     self->refiltered = true;

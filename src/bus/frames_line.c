@@ -5,7 +5,7 @@
  */
 #include "frames_private.h"
 
-static bool fits(const struct dg_bus_frames_line *line, uint32_t bit_rate)
+static bool fits_bit_rate(const struct dg_bus_frames_line *line, uint32_t bit_rate)
 {
     return !line->closed &&
            (line->tolerant || line->bit_rate == 0 || bit_rate == 0 || line->bit_rate == bit_rate);
@@ -37,7 +37,7 @@ static void use_bit_rate(struct frames_place *place, uint32_t bit_rate)
     if (ops != NULL && ops->retuned != NULL) {
         ops->retuned(self->ctx, place->base.index, bit_rate);
     }
-    place->hears = fits(&wire->setup.line, bit_rate);
+    place->hears = fits_bit_rate(&wire->setup.line, bit_rate);
     if (place->hears && wire->setup.line.bit_rate == 0 &&
         (wire->bit_rate == 0 || bit_rate < wire->bit_rate)) {
         wire->bit_rate = bit_rate; /* until all are asked */
@@ -61,7 +61,7 @@ void dg_bus_line_tune(struct dg_bus *self)
 
     for (size_t i = 0; i < self->count; i++) {
         struct frames_place *place = dg_bus_frames_at(self, i);
-        place->hears = fits(&wire->setup.line, place->bit_rate);
+        place->hears = fits_bit_rate(&wire->setup.line, place->bit_rate);
         dg_bus_filter_list(wire, place);
     }
     find_bit_rate(self);

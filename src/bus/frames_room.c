@@ -7,7 +7,7 @@ static struct dg_bus_frames_room *room_at(const struct frames_wire *self, uint16
     return &self->setup.room[place - 1u];
 }
 
-static void append(struct frames_wire *self, struct frames_list *list, uint16_t place)
+static void append_place(struct frames_wire *self, struct frames_list *list, uint16_t place)
 {
     room_at(self, place)->next = 0;
     if (list->count == 0) {
@@ -57,7 +57,7 @@ bool dg_bus_room_add(struct frames_wire *self, struct frames_list *list, size_t 
     room->at = at;
     room->frame = *frame;
     room->from = (uint8_t)from;
-    append(self, list, place);
+    append_place(self, list, place);
     return true;
 }
 
@@ -66,7 +66,7 @@ static struct dg_bus_frames_room fetch_behind(struct frames_wire *self, struct f
 {
     const uint16_t place = unlink_behind(self, list, before);
 
-    append(self, &self->unused, place);
+    append_place(self, &self->unused, place);
     return *room_at(self, place);
 }
 

@@ -3,7 +3,8 @@
 #include "drehgeber/bus_frames.h"
 
 /* In milliseconds: a window may have been open for years, and still fits. */
-static uint32_t load(const struct dg_bus_load *self, dg_ns now, uint64_t bits, uint32_t bit_rate)
+static uint32_t measure_load(const struct dg_bus_load *self, dg_ns now, uint64_t bits,
+                             uint32_t bit_rate)
 {
     const uint64_t sent = bits > self->bits ? bits - self->bits : 0;
     const uint64_t room = dg_elapsed(now, self->since) / DG_MS(1) * bit_rate / 1000u;
@@ -19,7 +20,7 @@ void dg_bus_load_begin(struct dg_bus_load *self, dg_ns now, uint64_t bits)
 bool dg_bus_load_close(struct dg_bus_load *self, dg_ns now, uint64_t bits, uint32_t bit_rate)
 {
     const bool before = self->overloaded;
-    self->permille = load(self, now, bits, bit_rate);
+    self->permille = measure_load(self, now, bits, bit_rate);
     self->since = now;
     self->bits = bits;
     if (self->permille > DG_BUS_OVERLOAD_PERMILLE) {
@@ -33,5 +34,5 @@ bool dg_bus_load_close(struct dg_bus_load *self, dg_ns now, uint64_t bits, uint3
 uint32_t dg_bus_load_permille(const struct dg_bus_load *self, dg_ns now, uint64_t bits,
                               uint32_t bit_rate)
 {
-    return dg_bus_load_due(self, now) ? load(self, now, bits, bit_rate) : self->permille;
+    return dg_bus_load_due(self, now) ? measure_load(self, now, bits, bit_rate) : self->permille;
 }

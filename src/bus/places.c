@@ -144,7 +144,7 @@ static void serve_each(struct dg_bus *self, dg_ns now)
 }
 
 /* It is `now`; a medium that is ordered catches up by itself. DG_NEVER is no moment. */
-static inline void enter(struct dg_bus *self, dg_ns now)
+static inline void enter_moment(struct dg_bus *self, dg_ns now)
 {
     if (now == DG_NEVER) {
         return;
@@ -158,7 +158,7 @@ static inline void enter(struct dg_bus *self, dg_ns now)
 
 void dg_bus_run_until(struct dg_bus *self, dg_ns now)
 {
-    enter(self, now);
+    enter_moment(self, now);
     if (self->medium->ordered) {
         self->medium->go_on(self, dg_elapsed(self->now, 1));
     }
@@ -166,7 +166,7 @@ void dg_bus_run_until(struct dg_bus *self, dg_ns now)
 
 dg_ns dg_bus_rx(struct dg_bus *self, const struct dg_tap_event *event)
 {
-    enter(self, event->at);
+    enter_moment(self, event->at);
     self->medium->take(self, event);
     self->medium->go_on(self, self->now);
     return dg_bus_next(self);
@@ -174,7 +174,7 @@ dg_ns dg_bus_rx(struct dg_bus *self, const struct dg_tap_event *event)
 
 dg_ns dg_bus_step(struct dg_bus *self, dg_ns now)
 {
-    enter(self, now);
+    enter_moment(self, now);
     self->medium->go_on(self, self->now);
     return dg_bus_next(self);
 }

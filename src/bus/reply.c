@@ -38,7 +38,7 @@ static enum form form_of(const struct characters_place *self)
 /* --- time --- */
 
 /* The present character is the next one. */
-static void advance(struct characters_reply *reply)
+static void advance_reply(struct characters_reply *reply)
 {
     const uint32_t room = reply->pace.baud - reply->rest;
     const bool carry = reply->pace.rest >= room;
@@ -57,7 +57,7 @@ static void rewind_to(struct characters_reply *reply, dg_ns start)
     reply->rest = 0;
     reply->sent = 0;
     reply->begun = false;
-    advance(reply);
+    advance_reply(reply);
 }
 
 static bool on_the_way(const struct characters_reply *reply)
@@ -203,7 +203,7 @@ static bool has_character(const struct characters_place *self, dg_ns at)
 }
 
 /* `byte` of `from` with what others send at the same time. @return whether anybody does */
-static bool merge(const struct characters_place *from, dg_ns at, uint8_t *byte, bool swallow)
+static bool merge_byte(const struct characters_place *from, dg_ns at, uint8_t *byte, bool swallow)
 {
     const struct dg_bus *bus = from->place.bus;
     bool met = false;
@@ -239,7 +239,7 @@ static void tell_other_end(const struct characters_place *self, dg_ns at, uint8_
 
 /* The present character is over: the other end hears it, unless it was told already, and everybody
  * else. */
-static void emit(struct characters_place *self, dg_ns at)
+static void emit_characters(struct characters_place *self, dg_ns at)
 {
     struct characters_reply *reply = &self->reply;
     uint8_t byte = reply->bytes[reply->sent];
@@ -248,10 +248,10 @@ static void emit(struct characters_place *self, dg_ns at)
 
     reply->merged = false;
     if (!merged) {
-        damaged = merge(self, at, &byte, true) || damaged;
+        damaged = merge_byte(self, at, &byte, true) || damaged;
     }
     reply->sent++;
-    advance(reply);
+    advance_reply(reply);
     if (merged) {
         return;
     }
@@ -270,7 +270,7 @@ static void tell_whole(const struct characters_place *self)
 
     for (size_t i = 0; i < reply->length; i++) {
         bytes[i] = reply->bytes[i];
-        (void)merge(self, reply->start, &bytes[i], false);
+        (void)merge_byte(self, reply->start, &bytes[i], false);
     }
     characters_line_of(bus)->setup.whole(bus->ctx, self->place.index, reply->start, bytes,
                                          reply->length);
@@ -286,7 +286,7 @@ static void begin_at_once(struct characters_place *self)
         return;
     }
     while (self->reply.sent < self->reply.length) {
-        emit(self, at);
+        emit_characters(self, at);
     }
 }
 
@@ -297,7 +297,7 @@ void dg_bus_reply_go_on(struct characters_place *self, dg_ns at)
     if (waits_for_all(self)) {
         begin_at_once(self);
     } else {
-        emit(self, at);
+        emit_characters(self, at);
     }
     if (reply->again && reply->sent == reply->length) {
         reply->again = false;

@@ -20,7 +20,7 @@ static void tear_words(struct member *self, uint16_t *in, uint16_t before)
     }
 }
 
-static bool are_same(const struct member *self, const uint16_t *a, const uint16_t *b)
+static bool are_same_words(const struct member *self, const uint16_t *a, const uint16_t *b)
 {
     return memcmp(a, b, self->words * sizeof *a) == 0;
 }
@@ -35,7 +35,7 @@ static void hold_words_back(struct member *self, uint64_t ticket, uint16_t *in, 
     struct held *held = &self->held;
     const enum dg_bus_answer answer = bus->ops->answer(bus->ctx, self->place.index);
 
-    if (answer != DG_BUS_SAY && ticket != held->looked && !are_same(self, out, nothing)) {
+    if (answer != DG_BUS_SAY && ticket != held->looked && !are_same_words(self, out, nothing)) {
         if (!held->holds) {
             memcpy(held->shown, self->whole, size);
         }
@@ -43,7 +43,7 @@ static void hold_words_back(struct member *self, uint64_t ticket, uint16_t *in, 
         memcpy(held->command, out, size);
     }
     held->looked = ticket;
-    const bool same = held->holds && are_same(self, held->command, out);
+    const bool same = held->holds && are_same_words(self, held->command, out);
     if (answer == DG_BUS_SAY || (answer == DG_BUS_DROP && !same)) {
         held->settled = ticket;
         held->holds = false;

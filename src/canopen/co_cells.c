@@ -10,17 +10,11 @@
 
 #define SAVE 0x65766173u
 
-/* A device with cells is the first member of its file. */
-static const struct dg_co_file *file_of(const struct dg_co_node *node)
-{
-    return (const struct dg_co_file *)(const void *)node->setup.device;
-}
-
 uint32_t *dg_co_cells(const struct dg_co_node *node)
 {
     uint8_t *application = node->setup.application;
 
-    return (uint32_t *)(void *)(application + file_of(node)->cells_at);
+    return (uint32_t *)(void *)(application + co_file_of(node)->cells_at);
 }
 
 enum dg_co_type dg_co_type_at(const struct dg_co_device *device, uint32_t key)
@@ -51,7 +45,7 @@ enum dg_co_abort dg_co_hook_cell(struct dg_co_node *node, const struct dg_co_obj
         *value = dg_co_cells(node)[number];
         return DG_CO_OK;
     }
-    if (!eds_is_inside(&file_of(node)->cells[number], *value)) {
+    if (!eds_is_inside(&co_file_of(node)->cells[number], *value)) {
         return DG_CO_RANGE;
     }
     dg_co_cells(node)[number] = *value;
@@ -134,7 +128,7 @@ static uint8_t first_of(const struct dg_co_file *file)
 
 static void store_cells(struct dg_co_node *node)
 {
-    const struct dg_co_file *file = file_of(node);
+    const struct dg_co_file *file = co_file_of(node);
     const uint8_t first = first_of(file);
     const uint32_t *value = dg_co_cells(node);
     uint8_t bytes[DG_STORE_CHECKED_MAX];
@@ -162,7 +156,7 @@ enum dg_co_abort dg_co_hook_keep(struct dg_co_node *node, const struct dg_co_obj
     return dg_co_hook_store(node, object, op, value);
 }
 
-static bool is_saved(struct dg_co_node *node)
+static bool are_cells_saved(struct dg_co_node *node)
 {
     uint8_t saved = 0;
 
@@ -174,7 +168,7 @@ static bool is_saved(struct dg_co_node *node)
 /* What is damaged stays as delivered, and is reported with the rest of the memory. */
 static void load_cells(struct dg_co_node *node)
 {
-    const struct dg_co_file *file = file_of(node);
+    const struct dg_co_file *file = co_file_of(node);
     const uint8_t first = first_of(file);
     uint8_t bytes[DG_STORE_CHECKED_MAX];
 
@@ -195,7 +189,7 @@ static void load_cells(struct dg_co_node *node)
 
 bool dg_co_reset_file(struct dg_co_node *node, bool application)
 {
-    const struct dg_co_file *file = file_of(node);
+    const struct dg_co_file *file = co_file_of(node);
 
     for (uint16_t i = 0; application && i < file->cell_count; i++) {
         const struct dg_co_cell *cell = &file->cells[i];
@@ -204,7 +198,7 @@ bool dg_co_reset_file(struct dg_co_node *node, bool application)
     if (application) {
         dg_co_reset_longs(node);
     }
-    if (application && is_saved(node)) {
+    if (application && are_cells_saved(node)) {
         load_cells(node);
     }
     return file->base->reset != NULL && file->base->reset(node, application);

@@ -92,7 +92,7 @@ static bool read_head(struct converting *self, struct dg_nvm nvm)
            from->kept <= most && read_sizes(self, nvm);
 }
 
-static void make_layout(struct converting *self, uint32_t id)
+static void make_image_layout(struct converting *self, uint32_t id)
 {
     const struct dg_store_layout *base = self->file->base->layout;
     struct image *from = &self->from;
@@ -128,7 +128,7 @@ static int open_image(struct converting *self, struct dg_nvm nvm)
     if (!find_id(nvm, &id) || !read_head(self, nvm)) {
         return DG_ERR_FOREIGN;
     }
-    make_layout(self, id);
+    make_image_layout(self, id);
     const int result = dg_store_mount(&from->store, &from->layout, nvm);
     if (result == DG_OK && !dg_store_damaged(&from->store, DG_CO_REGION_SAVED)) {
         (void)dg_store_read(&from->store, DG_CO_REGION_SAVED, 0, &saved, 1);
@@ -142,7 +142,7 @@ static int open_image(struct converting *self, struct dg_nvm nvm)
 /* ------------------------------------------------------------ objects */
 
 /* Key and type of a cell of the image. */
-static uint32_t word_of(struct converting *self, uint32_t n)
+static uint32_t cell_word_of(struct converting *self, uint32_t n)
 {
     uint8_t bytes[4] = {0};
 
@@ -159,14 +159,15 @@ static uint32_t find_cell(struct converting *self, uint32_t key)
 
     while (first < last) {
         const uint32_t middle = first + (last - first) / 2u;
-        if ((word_of(self, middle) & 0xFFFFFF00u) < key) {
+        if ((cell_word_of(self, middle) & 0xFFFFFF00u) < key) {
             first = middle + 1u;
         } else {
             last = middle;
         }
     }
-    return first < self->from.kept && (word_of(self, first) & 0xFFFFFF00u) == key ? first
-                                                                                  : self->from.kept;
+    return first < self->from.kept && (cell_word_of(self, first) & 0xFFFFFF00u) == key
+               ? first
+               : self->from.kept;
 }
 
 /* @return false: it cannot be read */
@@ -202,7 +203,7 @@ static uint32_t convert_cell(struct converting *self, uint32_t n)
 
     if (at == self->from.kept) {
         tell_misfit(self, cell->key, DG_CO_NEW);
-    } else if ((word_of(self, at) & 0xFFu) != cell->type) {
+    } else if ((cell_word_of(self, at) & 0xFFu) != cell->type) {
         tell_misfit(self, cell->key, DG_CO_RETYPED);
     } else if (self->from.saved && read_cell(self, at, &value) && !eds_is_inside(cell, value)) {
         tell_misfit(self, cell->key, DG_CO_OUTSIDE);
@@ -236,7 +237,7 @@ static void compare_rest(struct converting *self)
         }
     }
     for (uint32_t n = 0; n < self->from.kept; n++) {
-        const uint32_t key = word_of(self, n) & 0xFFFFFF00u;
+        const uint32_t key = cell_word_of(self, n) & 0xFFFFFF00u;
         if (!has_cell(self->file, key)) {
             tell_misfit(self, key, DG_CO_GONE);
         }
@@ -246,7 +247,7 @@ static void compare_rest(struct converting *self)
 /* ------------------------------------------------------------ copying */
 
 /* All of the base's; one that is damaged stays as delivered. */
-static int copy_base(struct converting *self)
+static int copy_base_regions(struct converting *self)
 {
     const struct dg_store_layout *base = self->file->base->layout;
     uint8_t bytes[DG_STORE_CHECKED_MAX];
@@ -316,7 +317,7 @@ int dg_co_convert(const struct dg_co_file *self, struct dg_nvm from, struct dg_n
         return result == DG_OK ? convert_longs(&all, false) : result;
     }
     result = dg_store_mount(&all.to, &self->layout, to);
-    result = result == DG_OK ? copy_base(&all) : result;
+    result = result == DG_OK ? copy_base_regions(&all) : result;
     result = result == DG_OK ? convert_cells(&all, true) : result;
     result = result == DG_OK ? convert_longs(&all, true) : result;
     if (result == DG_OK) {

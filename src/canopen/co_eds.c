@@ -32,7 +32,7 @@ struct eds {
 /* --- text --- */
 
 /* In pieces; compilers make a call of strlen() of a loop without a bound. */
-static void put(const struct eds *self, const char *text)
+static void put_line(const struct eds *self, const char *text)
 {
     while (*text != '\0') {
         size_t n = 1;
@@ -59,28 +59,28 @@ static void put_number(const struct eds *self, uint32_t value, bool decimal, uin
 
 static void put_hex(const struct eds *self, const char *before, uint32_t value, uint8_t digits)
 {
-    put(self, before);
+    put_line(self, before);
     put_number(self, value, false, digits);
 }
 
 static void line(const struct eds *self, const char *key, const char *value)
 {
-    put(self, key);
-    put(self, value);
-    put(self, "\r\n");
+    put_line(self, key);
+    put_line(self, value);
+    put_line(self, "\r\n");
 }
 
 static void line_decimal(const struct eds *self, const char *key, uint32_t value)
 {
-    put(self, key);
+    put_line(self, key);
     put_number(self, value, true, 1);
-    put(self, "\r\n");
+    put_line(self, "\r\n");
 }
 
 static void line_hex(const struct eds *self, const char *key, uint32_t value, uint8_t digits)
 {
     put_hex(self, key, value, digits);
-    put(self, "\r\n");
+    put_line(self, "\r\n");
 }
 
 /* --- the rows --- */
@@ -110,8 +110,8 @@ static bool is_named(const struct dg_co_name *name, const struct dg_co_object *o
 }
 
 /* The name of a row, or of the array or record it belongs to; NULL: there is none. */
-static const struct dg_co_name *find_name(const struct eds *self, const struct dg_co_object *object,
-                                          bool parent)
+static const struct dg_co_name *find_object_name(const struct eds *self,
+                                                 const struct dg_co_object *object, bool parent)
 {
     const bool own = object->index < 0x2000;
     const struct dg_co_name *const list = own ? names : self->sheet->names;
@@ -131,10 +131,10 @@ static void put_value(const struct eds *self, const char *key, const struct dg_c
 {
     const bool is_signed = co_type(object) <= DG_CO_I32;
     const bool negative = is_signed && (value & 0x80000000u) != 0;
-    put(self, key);
-    put(self, negative ? "-" : is_signed ? "" : "0x");
+    put_line(self, key);
+    put_line(self, negative ? "-" : is_signed ? "" : "0x");
     put_number(self, negative ? 0u - value : value, is_signed, 1);
-    put(self, "\r\n");
+    put_line(self, "\r\n");
 }
 
 /* What the device, not the row, knows: 1000h and 1018h. NULL: it is the row's. */
@@ -208,12 +208,12 @@ static const char *access_of(const struct dg_co_object *object)
  * 306). */
 static void put_flags(const struct eds *self, bool action)
 {
-    put(self, action ? "ObjFlags=0x1\r\n\r\n" : "\r\n");
+    put_line(self, action ? "ObjFlags=0x1\r\n\r\n" : "\r\n");
 }
 
 static void put_row(const struct eds *self, const struct dg_co_object *object)
 {
-    const struct dg_co_name *name = find_name(self, object, false);
+    const struct dg_co_name *name = find_object_name(self, object, false);
     line(self, "ParameterName=", name != NULL ? name->text : "Unnamed");
     line_hex(self, "ObjectType=0x", DG_CO_VAR, 1);
     line_hex(self, "DataType=0x", co_type(object), 4);
@@ -229,7 +229,7 @@ static void put_subs(const struct eds *self, struct dg_co_object object)
     do {
         put_hex(self, "[", object.index, 4);
         put_hex(self, "sub", object.sub, 1);
-        put(self, "]\r\n");
+        put_line(self, "]\r\n");
         put_row(self, &object);
     } while (next_sub(self, &object));
 }
@@ -237,9 +237,9 @@ static void put_subs(const struct eds *self, struct dg_co_object object)
 /* A section for a variable; for an array or record one more for each of its rows. */
 static void put_object(const struct eds *self, const struct dg_co_object *first)
 {
-    const struct dg_co_name *parent = find_name(self, first, true);
+    const struct dg_co_name *parent = find_object_name(self, first, true);
     put_hex(self, "[", first->index, 4);
-    put(self, "]\r\n");
+    put_line(self, "]\r\n");
     if (parent == NULL) {
         put_row(self, first);
         return;
@@ -283,7 +283,7 @@ static void put_list(const struct eds *self, const char *section, bool (*belongs
     do {
         count += belongs(object.index) ? 1u : 0u;
     } while (next_index(self, &object));
-    put(self, section);
+    put_line(self, section);
     line_decimal(self, "SupportedObjects=", count);
     object = dg_co_first();
     count = 0;
@@ -293,7 +293,7 @@ static void put_list(const struct eds *self, const char *section, bool (*belongs
             line_hex(self, "=0x", object.index, 4);
         }
     } while (next_index(self, &object));
-    put(self, "\r\n");
+    put_line(self, "\r\n");
 }
 
 /* --- the file --- */
@@ -305,9 +305,9 @@ static const char *put_part(const struct eds *self, const char *key, const char 
     while (version[n] >= '0' && version[n] <= '9') {
         n++;
     }
-    put(self, key);
+    put_line(self, key);
     self->write(self->ctx, version, n);
-    put(self, "\r\n");
+    put_line(self, "\r\n");
     return version + n + 1;
 }
 
@@ -315,17 +315,17 @@ static const char *put_part(const struct eds *self, const char *key, const char 
 static void put_file_info(const struct eds *self)
 {
     const struct dg_co_sheet *sheet = self->sheet;
-    put(self, "[FileInfo]\r\nFileName=");
+    put_line(self, "[FileInfo]\r\nFileName=");
     line(self, sheet->model, ".eds");
     (void)put_part(self, "FileRevision=", put_part(self, "FileVersion=", DG_VERSION));
-    put(self, "EDSVersion=4.0\r\nDescription=");
-    put(self, self->device->name);
-    put(self, ", ");
+    put_line(self, "EDSVersion=4.0\r\nDescription=");
+    put_line(self, self->device->name);
+    put_line(self, ", ");
     line(self, sheet->resolution, ", as drehgeber " DG_VERSION " emulates it");
-    put(self, "CreationTime=12:00AM\r\nCreationDate=" DG_RELEASED "\r\n"
-              "CreatedBy=drehgeber " DG_VERSION "\r\n"
-              "ModificationTime=12:00AM\r\nModificationDate=" DG_RELEASED "\r\n"
-              "ModifiedBy=drehgeber " DG_VERSION "\r\n\r\n");
+    put_line(self, "CreationTime=12:00AM\r\nCreationDate=" DG_RELEASED "\r\n"
+                   "CreatedBy=drehgeber " DG_VERSION "\r\n"
+                   "ModificationTime=12:00AM\r\nModificationDate=" DG_RELEASED "\r\n"
+                   "ModifiedBy=drehgeber " DG_VERSION "\r\n\r\n");
 }
 
 static bool has_rate(const struct dg_co_device *device, uint16_t kbaud)
@@ -342,7 +342,7 @@ static void put_rates(const struct eds *self)
 {
     static const uint16_t kbaud[] = {10, 20, 50, 125, 250, 500, 800, 1000};
     for (size_t i = 0; i < DG_COUNT(kbaud); i++) {
-        put(self, "BaudRate_");
+        put_line(self, "BaudRate_");
         put_number(self, kbaud[i], true, 1);
         line(self, "=", has_rate(self->device, kbaud[i]) ? "1" : "0");
     }
@@ -358,20 +358,20 @@ static void put_device_info(const struct eds *self)
     line_hex(self, "RevisionNumber=0x", device->revision, 1);
     line(self, "OrderCode=", device->name);
     put_rates(self);
-    put(self, "SimpleBootUpMaster=0\r\nSimpleBootUpSlave=1\r\nGranularity=8\r\n"
-              "DynamicChannelsSupported=0\r\nGroupMessaging=0\r\nNrOfRXPDO=0\r\n");
+    put_line(self, "SimpleBootUpMaster=0\r\nSimpleBootUpSlave=1\r\nGranularity=8\r\n"
+                   "DynamicChannelsSupported=0\r\nGroupMessaging=0\r\nNrOfRXPDO=0\r\n");
     line_decimal(self, "NrOfTXPDO=", DG_CO_TPDOS);
-    put(self, "LSS_Supported=1\r\n\r\n");
+    put_line(self, "LSS_Supported=1\r\n\r\n");
 }
 
 static void put_dummy_usage(const struct eds *self)
 {
-    put(self, "[DummyUsage]\r\n");
+    put_line(self, "[DummyUsage]\r\n");
     for (uint8_t type = 1; type <= 7; type++) {
         put_hex(self, "Dummy", type, 4);
-        put(self, "=0\r\n");
+        put_line(self, "=0\r\n");
     }
-    put(self, "\r\n[Comments]\r\nLines=0\r\n\r\n");
+    put_line(self, "\r\n[Comments]\r\nLines=0\r\n\r\n");
 }
 
 void dg_co_eds(const struct dg_co_sheet *sheet,

@@ -62,7 +62,7 @@ static uint8_t in_ring(unsigned place)
 
 /* Waiting EMCYs are sent oldest first; when too many wait, the newest are lost from the wire, but
  * not from 1003h. */
-static void queue(struct dg_co_node *self, uint16_t code, const uint8_t *manufacturer)
+static void queue_emergency(struct dg_co_node *self, uint16_t code, const uint8_t *manufacturer)
 {
     if (self->emcy_count == DG_CO_HISTORY) {
         return;
@@ -73,7 +73,7 @@ static void queue(struct dg_co_node *self, uint16_t code, const uint8_t *manufac
     memcpy(&frame[3], manufacturer, 5);
 }
 
-static void remember(struct dg_co_node *self, uint16_t code, const uint8_t *manufacturer)
+static void remember_error(struct dg_co_node *self, uint16_t code, const uint8_t *manufacturer)
 {
     self->history_newest = in_ring(self->history_newest + 1u);
     self->history[self->history_newest] = (uint32_t)dg_load_le16(manufacturer) << 16 | code;
@@ -92,8 +92,8 @@ void dg_co_raise(struct dg_co_node *self, uint8_t cause, const uint8_t manufactu
     }
     self->others = 0;
     self->active_causes |= bit;
-    remember(self, row->code, manufacturer);
-    queue(self, row->code, manufacturer);
+    remember_error(self, row->code, manufacturer);
+    queue_emergency(self, row->code, manufacturer);
     (void)dg_co_emcy_step(self); /* before a reaction can leave the state that allows it */
     dg_co_react(self, (enum dg_co_error_class)row->class_of);
 }
@@ -109,7 +109,7 @@ void dg_co_clear(struct dg_co_node *self, uint8_t cause)
     self->others = 0;
     self->active_causes &= ~bit;
     if (self->active_causes == 0) {
-        queue(self, 0, none);
+        queue_emergency(self, 0, none);
     }
 }
 

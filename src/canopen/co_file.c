@@ -78,7 +78,7 @@ static size_t name_entry(const struct eds_entry *entry, char to[10])
 }
 
 /* Of a key of an entry; `name` is room for the section's. */
-static struct eds_place place_of(const struct eds_entry *entry, const char *key, char name[10])
+static struct eds_place key_place_of(const struct eds_entry *entry, const char *key, char name[10])
 {
     return (struct eds_place){
         .line = entry->line,
@@ -91,7 +91,7 @@ void dg_co_note_entry(struct eds_reader *self, const struct eds_entry *entry, co
                       const char *what, const char *right)
 {
     char name[10];
-    const struct eds_place place = place_of(entry, key, name);
+    const struct eds_place place = key_place_of(entry, key, name);
 
     dg_co_note_place(self, &place, what, right);
 }
@@ -100,7 +100,7 @@ void dg_co_note_lack(struct eds_reader *self, const struct eds_entry *entry, con
                      const char *what, const char *right)
 {
     char name[10];
-    struct eds_place place = place_of(entry, key, name);
+    struct eds_place place = key_place_of(entry, key, name);
 
     place.lacks = true;
     dg_co_note_place(self, &place, what, right);
@@ -262,7 +262,7 @@ static void choose_bus(struct eds_maker *self, struct dg_store_region *region)
 }
 
 /* The base's regions, and as many as the cells take. */
-static void make_layout(struct eds_maker *self)
+static void make_file_layout(struct eds_maker *self)
 {
     const struct dg_store_layout *base = self->to->base->layout;
     struct dg_co_file *to = self->to;
@@ -301,7 +301,7 @@ static void make_layout(struct eds_maker *self)
     to->device.layout = &to->layout;
 }
 
-static uint32_t identity_of(const struct eds_maker *self, uint8_t sub, uint32_t otherwise)
+static uint32_t identity_entry_of(const struct eds_maker *self, uint8_t sub, uint32_t otherwise)
 {
     const uint32_t value = default_of(&self->in, DG_CO_KEY(0x1018, sub));
 
@@ -313,8 +313,8 @@ static void begin_device(struct eds_maker *self)
 {
     const struct eds_info *info = &self->in.info;
     const uint32_t type = default_of(&self->in, DG_CO_KEY(0x1000, 0));
-    const uint32_t vendor = identity_of(self, 1, info->vendor_id);
-    const uint32_t product = identity_of(self, 2, info->product_code);
+    const uint32_t vendor = identity_entry_of(self, 1, info->vendor_id);
+    const uint32_t product = identity_entry_of(self, 2, info->product_code);
     const struct dg_co_device *base = self->ground->choose(type, vendor, product);
 
     *self->to = (struct dg_co_file){
@@ -332,7 +332,7 @@ static void begin_device(struct eds_maker *self)
     device->device_type = type;
     device->vendor_id = vendor;
     device->product_code = product;
-    device->revision = identity_of(self, 3, info->revision);
+    device->revision = identity_entry_of(self, 3, info->revision);
     device->reset = dg_co_reset_file;
     device->name = dg_co_keep_text(&self->in, info->product, DG_CO_STRING_MAX);
     self->to->vendor = dg_co_keep_text(&self->in, info->vendor, DG_CO_STRING_MAX);
@@ -349,7 +349,7 @@ static size_t count_longs(const struct eds_reader *in)
 }
 
 /* Room for tables, as large as they can become. */
-static bool make_room(struct eds_maker *self)
+static bool make_table_room(struct eds_maker *self)
 {
     struct dg_co_device *device = &self->to->device;
     const size_t count = self->in.count;
@@ -415,13 +415,13 @@ static void note_whole(struct eds_maker *self)
     }
 }
 
-static int make_device(struct eds_maker *self)
+static int make_eds_device(struct eds_maker *self)
 {
     struct dg_co_device *device = &self->to->device;
 
     merge_entries(&self->in);
     begin_device(self);
-    if (!make_room(self)) {
+    if (!make_table_room(self)) {
         return DG_ERR_SPACE;
     }
     dg_co_make_rows(self);
@@ -433,7 +433,7 @@ static int make_device(struct eds_maker *self)
     device->strings = self->strings;
     place_values(self);
     make_rates(self);
-    make_layout(self);
+    make_file_layout(self);
     note_whole(self);
     return self->in.out ? DG_ERR_SPACE : DG_OK;
 }
@@ -454,7 +454,7 @@ int dg_co_read(struct dg_co_file *self, const struct dg_eds_setup *setup,
     }
     maker.in.back = memory + setup->memory_size / sizeof(uint64_t) * sizeof(uint64_t);
     int result = dg_co_scan_text(&maker.in);
-    result = result != DG_OK ? result : make_device(&maker);
+    result = result != DG_OK ? result : make_eds_device(&maker);
     self->used = (size_t)(maker.in.front - memory);
     return result;
 }

@@ -189,6 +189,11 @@ size_t dg_co_place_longs(struct dg_co_long *longs, uint16_t count, uint16_t *kep
 uint8_t *dg_co_long_bytes(const struct dg_co_node *node);
 /** Whether a value may have these bytes. */
 bool dg_co_long_is_inside(const struct dg_co_long *self, const uint8_t *bytes);
+/** The file of a node's device: a device that was read is the first member of its file. */
+static inline const struct dg_co_file *co_file_of(const struct dg_co_node *node)
+{
+    return (const struct dg_co_file *)(const void *)node->setup.device;
+}
 /** The value of this key, or NULL. */
 const struct dg_co_long *dg_co_find_long(const struct dg_co_file *self, uint32_t key);
 /** As delivered. */

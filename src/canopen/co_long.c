@@ -58,21 +58,16 @@ struct transfer {
     uint8_t bytes[DG_EDS_LONG_MAX + SDO_SEGMENT];
 };
 
-static const struct dg_co_file *file_of(const struct dg_co_node *node)
-{
-    return (const struct dg_co_file *)(const void *)node->setup.device;
-}
-
 static struct transfer *transfer_of(const struct dg_co_node *node)
 {
     uint8_t *application = node->setup.application;
 
-    return (struct transfer *)(void *)(application + file_of(node)->longs_at);
+    return (struct transfer *)(void *)(application + co_file_of(node)->longs_at);
 }
 
 static const struct dg_co_long *long_of(const struct dg_co_node *node)
 {
-    return &file_of(node)->longs[transfer_of(node)->number];
+    return &co_file_of(node)->longs[transfer_of(node)->number];
 }
 
 uint8_t *dg_co_long_bytes(const struct dg_co_node *node)
@@ -81,7 +76,7 @@ uint8_t *dg_co_long_bytes(const struct dg_co_node *node)
 }
 
 /* Of one that has a place. */
-static uint8_t *place_of(const struct dg_co_node *node, const struct dg_co_long *self)
+static uint8_t *long_bytes_of(const struct dg_co_node *node, const struct dg_co_long *self)
 {
     return dg_co_long_bytes(node) + self->at;
 }
@@ -128,7 +123,7 @@ const struct dg_co_long *dg_co_find_long(const struct dg_co_file *self, uint32_t
 static void store_long(const struct dg_co_node *node, const struct dg_co_long *self,
                        const uint8_t *bytes, uint16_t n)
 {
-    uint8_t *to = place_of(node, self);
+    uint8_t *to = long_bytes_of(node, self);
 
     dg_store_le16(to, n);
     memcpy(to + EDS_LENGTH_SIZE, bytes, n);
@@ -136,7 +131,7 @@ static void store_long(const struct dg_co_node *node, const struct dg_co_long *s
 
 void dg_co_reset_longs(const struct dg_co_node *node)
 {
-    const struct dg_co_file *file = file_of(node);
+    const struct dg_co_file *file = co_file_of(node);
 
     for (uint16_t i = 0; i < file->long_count; i++) {
         const struct dg_co_long *one = &file->longs[i];
@@ -154,14 +149,14 @@ static uint16_t read_long(const struct dg_co_node *node, const struct dg_co_long
     if (!eds_is_placed(self)) {
         return self->n;
     }
-    const uint8_t *from = place_of(node, self);
+    const uint8_t *from = long_bytes_of(node, self);
     const uint16_t n = dg_load_le16(from);
     *bytes = from + EDS_LENGTH_SIZE;
     return n < self->least ? self->least : n > self->most ? self->most : n;
 }
 
 /* A number with its sign. */
-static uint64_t number_of(const struct dg_co_long *self, const uint8_t *bytes)
+static uint64_t long_number_of(const struct dg_co_long *self, const uint8_t *bytes)
 {
     const uint32_t unused = 8u * (8u - self->most);
     uint8_t whole[8] = {0};
@@ -177,7 +172,7 @@ bool dg_co_long_is_inside(const struct dg_co_long *self, const uint8_t *bytes)
     if (self->kind == DG_CO_LONG_BYTES) {
         return true;
     }
-    const uint64_t value = number_of(self, bytes);
+    const uint64_t value = long_number_of(self, bytes);
     return self->kind == DG_CO_LONG_SIGNED
                ? (int64_t)value >= (int64_t)self->min && (int64_t)value <= (int64_t)self->max
                : value >= self->min && value <= self->max;
@@ -211,7 +206,7 @@ enum dg_co_abort dg_co_hook_wide(struct dg_co_node *node, const struct dg_co_obj
         return DG_CO_HARDWARE;
     }
     const enum dg_co_abort abort =
-        read_words(node, &file_of(node)->longs[object->row->initial], words);
+        read_words(node, &co_file_of(node)->longs[object->row->initial], words);
     *value = words[object->row->slot];
     return abort;
 }
@@ -596,13 +591,13 @@ static const struct {
 
 /* In a state that somebody has made it may be anything. What was confirmed last of all may be more
  * than there is. */
-static bool is_sound(const struct dg_co_node *node)
+static bool is_transfer_sound(const struct dg_co_node *node)
 {
     const struct transfer *t = transfer_of(node);
     const uint32_t sent = t->step == STEP_BLOCK_SENDING ? SDO_SEGMENT * node->sdo.seqno : 0;
     const uint32_t at = t->step == STEP_BLOCK_UPLOAD_END ? 0 : t->done + sent;
 
-    return t->step < STEP_COUNT && t->number < file_of(node)->long_count &&
+    return t->step < STEP_COUNT && t->number < co_file_of(node)->long_count &&
            t->length < sizeof t->bytes && t->announced <= DG_EDS_LONG_MAX && at <= t->length &&
            at <= DG_EDS_LONG_MAX;
 }
@@ -610,10 +605,10 @@ static bool is_sound(const struct dg_co_node *node)
 /* @return whether the request goes on with a transfer, or begins one of these values */
 static bool is_ours(const struct dg_co_node *node, const uint8_t *data)
 {
-    const struct dg_co_file *file = file_of(node);
+    const struct dg_co_file *file = co_file_of(node);
 
     if (node->sdo.state == DG_CO_SDO_DEVICE) {
-        return is_sound(node);
+        return is_transfer_sound(node);
     }
     const struct dg_co_long *found =
         dg_co_find_long(file, DG_CO_KEY(dg_load_le16(&data[1]), data[3]));
@@ -628,7 +623,7 @@ static bool is_ours(const struct dg_co_node *node, const uint8_t *data)
 /* @return whether a segment was due; else the client has been silent for too long */
 static bool send_due(struct dg_co_node *node)
 {
-    const bool due = node->sdo.state == DG_CO_SDO_DEVICE && is_sound(node) &&
+    const bool due = node->sdo.state == DG_CO_SDO_DEVICE && is_transfer_sound(node) &&
                      transfer_of(node)->step == STEP_BLOCK_SENDING;
 
     if (due) {
@@ -638,7 +633,8 @@ static bool send_due(struct dg_co_node *node)
 }
 
 /* @return what is still to be sent */
-static enum dg_co_abort serve(struct dg_co_node *node, const uint8_t *data, enum dg_co_abort abort)
+static enum dg_co_abort serve_transfer(struct dg_co_node *node, const uint8_t *data,
+                                       enum dg_co_abort abort)
 {
     if (data == NULL) {
         return send_due(node) ? DG_CO_OK : abort;
@@ -657,7 +653,7 @@ static enum dg_co_abort serve(struct dg_co_node *node, const uint8_t *data, enum
 
 void dg_co_serve_long(struct dg_co_node *node, const uint8_t *data, enum dg_co_abort abort)
 {
-    const enum dg_co_abort left = serve(node, data, abort);
+    const enum dg_co_abort left = serve_transfer(node, data, abort);
 
     if (left != DG_CO_OK) {
         dg_co_sdo_abort(node, left);

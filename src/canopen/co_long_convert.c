@@ -16,7 +16,7 @@ static void tell_misfit(const struct dg_co_convert_longs *self, uint32_t key, en
     }
 }
 
-static uint32_t word_of(const struct dg_co_convert_longs *self, uint32_t n)
+static uint32_t long_word_of(const struct dg_co_convert_longs *self, uint32_t n)
 {
     uint8_t bytes[4] = {0};
 
@@ -28,8 +28,8 @@ static uint32_t word_of(const struct dg_co_convert_longs *self, uint32_t n)
 /* The next value of the image; `kept` is the one before it, or 0. */
 static void take_next(const struct dg_co_convert_longs *self, uint32_t n, struct dg_co_kept *kept)
 {
-    const uint32_t head = word_of(self, WORDS * n);
-    const uint32_t sizes = word_of(self, WORDS * n + 1u);
+    const uint32_t head = long_word_of(self, WORDS * n);
+    const uint32_t sizes = long_word_of(self, WORDS * n + 1u);
 
     kept->at += n > 0 ? EDS_LENGTH_SIZE + kept->most : 0u;
     kept->key = head & 0xFFFFFF00u;

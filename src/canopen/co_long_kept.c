@@ -14,7 +14,7 @@
 
 #define NO_NUMBER 0xFFFFu /* of a memory that was never written */
 
-static uint16_t place_of(const struct dg_co_copies *self, uint8_t copy)
+static uint16_t copy_place_of(const struct dg_co_copies *self, uint8_t copy)
 {
     return (uint16_t)(copy * (EDS_COPY_HEAD + self->size));
 }
@@ -27,7 +27,7 @@ static uint16_t least_of(uint32_t left)
 /* @return false: it cannot be read, or was never written */
 static bool read_number(struct dg_co_copies *self, uint8_t copy, uint16_t *number)
 {
-    const uint16_t place = place_of(self, copy);
+    const uint16_t place = copy_place_of(self, copy);
     uint8_t head[EDS_COPY_HEAD];
     uint8_t bytes[DG_STORE_CHECKED_MAX];
     uint16_t sum = 0;
@@ -69,7 +69,7 @@ struct dg_co_copies dg_co_open_copies(struct dg_store *store, uint8_t region, ui
 
 bool dg_co_read_copy(struct dg_co_copies *self, uint32_t at, uint8_t *to, uint16_t n)
 {
-    const uint32_t place = place_of(self, self->newest) + EDS_COPY_HEAD + at;
+    const uint32_t place = copy_place_of(self, self->newest) + EDS_COPY_HEAD + at;
 
     return self->found && dg_store_read(self->store, self->region, (uint16_t)place, to, n) == DG_OK;
 }
@@ -78,7 +78,7 @@ bool dg_co_read_copy(struct dg_co_copies *self, uint32_t at, uint8_t *to, uint16
 int dg_co_write_copy(struct dg_co_copies *self, uint32_t at, const uint8_t *from, uint16_t n)
 {
     const uint8_t copy = (uint8_t)(self->found ? 1u - self->newest : 0u);
-    const uint32_t place = place_of(self, copy) + EDS_COPY_HEAD + at;
+    const uint32_t place = copy_place_of(self, copy) + EDS_COPY_HEAD + at;
     int result = DG_OK;
 
     for (uint16_t done = 0; done < n && result == DG_OK;
@@ -96,26 +96,21 @@ int dg_co_end_copy(struct dg_co_copies *self, uint16_t sum)
 
     dg_store_le16(head, (uint16_t)(self->found ? (self->number + 1u) % NO_NUMBER : 0));
     dg_store_le16(&head[2], sum);
-    return dg_store_put(self->store, self->region, place_of(self, copy), head, sizeof head);
+    return dg_store_put(self->store, self->region, copy_place_of(self, copy), head, sizeof head);
 }
 
 /* ------------------------------------------------------------ a node's */
 
-static const struct dg_co_file *file_of(const struct dg_co_node *node)
-{
-    return (const struct dg_co_file *)(const void *)node->setup.device;
-}
-
 static struct dg_co_copies copies_of(struct dg_co_node *node)
 {
-    const struct dg_co_file *file = file_of(node);
+    const struct dg_co_file *file = co_file_of(node);
 
     return dg_co_open_copies(&node->store, (uint8_t)(file->layout.region_count - 1u),
                              file->long_kept);
 }
 
 /* Whether the copy in force is what the values are. */
-static bool is_saved(struct dg_co_copies *copies, const uint8_t *values)
+static bool is_copy_saved(struct dg_co_copies *copies, const uint8_t *values)
 {
     uint8_t bytes[DG_STORE_CHECKED_MAX];
     bool same = copies->found;
@@ -131,11 +126,12 @@ void dg_co_save_longs(struct dg_co_node *node)
 {
     const uint8_t *values = dg_co_long_bytes(node);
 
-    if (file_of(node)->long_kept == 0) {
+    if (co_file_of(node)->long_kept == 0) {
         return;
     }
     struct dg_co_copies copies = copies_of(node);
-    if (!is_saved(&copies, values) && dg_co_write_copy(&copies, 0, values, copies.size) == DG_OK) {
+    if (!is_copy_saved(&copies, values) &&
+        dg_co_write_copy(&copies, 0, values, copies.size) == DG_OK) {
         (void)dg_co_end_copy(&copies, dg_crc16(0, values, copies.size));
     }
 }
@@ -143,7 +139,7 @@ void dg_co_save_longs(struct dg_co_node *node)
 /* A number that the file would not take has its default. */
 void dg_co_load_longs(struct dg_co_node *node)
 {
-    const struct dg_co_file *file = file_of(node);
+    const struct dg_co_file *file = co_file_of(node);
     uint8_t *values = dg_co_long_bytes(node);
 
     if (file->long_kept == 0) {

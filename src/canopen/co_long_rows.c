@@ -30,12 +30,12 @@ static uint8_t width_of(const struct eds_entry *entry)
     return entry->type < DG_COUNT(widths) ? widths[entry->type].bytes : 0;
 }
 
-static bool is_text(const struct eds_entry *entry)
+static bool is_string_entry(const struct eds_entry *entry)
 {
     return (entry->type >= VISIBLE && entry->type <= 0x0Bu) || entry->type == DOMAIN;
 }
 
-static uint32_t digit_of(char c)
+static uint32_t hex_value_of(char c)
 {
     const char small = (char)(c >= 'A' && c <= 'F' ? c - 'A' + 'a' : c);
 
@@ -57,7 +57,7 @@ static size_t read_octets(const struct eds_entry *entry, uint8_t *to)
         return 0;
     }
     for (size_t i = 0; i < text.n; i++) {
-        const uint32_t digit = digit_of(text.at[i]);
+        const uint32_t digit = hex_value_of(text.at[i]);
         if (text.at[i] == ' ' && digits % 2u == 0) {
             continue;
         }
@@ -74,9 +74,10 @@ static size_t read_octets(const struct eds_entry *entry, uint8_t *to)
 
 bool dg_co_is_long(const struct eds_entry *entry)
 {
-    return width_of(entry) != 0 || (is_text(entry) && ((entry->access & DG_CO_W) != 0 ||
-                                                       entry->initial.n > DG_CO_STRING_MAX ||
-                                                       read_octets(entry, NULL) != 0));
+    return width_of(entry) != 0 ||
+           (is_string_entry(entry) &&
+            ((entry->access & DG_CO_W) != 0 || entry->initial.n > DG_CO_STRING_MAX ||
+             read_octets(entry, NULL) != 0));
 }
 
 /* ------------------------------------------------------------ texts */
@@ -119,7 +120,7 @@ static uint64_t ones_of(const struct dg_co_long *self)
 }
 
 /* With its sign, if it has one. */
-static uint64_t extend(const struct dg_co_long *self, uint64_t value)
+static uint64_t extend_sign(const struct dg_co_long *self, uint64_t value)
 {
     const uint64_t sign = self->kind == DG_CO_LONG_SIGNED ? ones_of(self) / 2u + 1u : 0;
 
@@ -127,8 +128,9 @@ static uint64_t extend(const struct dg_co_long *self, uint64_t value)
 }
 
 /* A number of an entry, or `otherwise`. Nothing of 64 bits follows the node-ID. */
-static uint64_t number_of(struct eds_maker *self, const struct eds_entry *entry, const char *key,
-                          struct eds_span text, const struct dg_co_long *to, uint64_t otherwise)
+static uint64_t wide_number_of(struct eds_maker *self, const struct eds_entry *entry,
+                               const char *key, struct eds_span text, const struct dg_co_long *to,
+                               uint64_t otherwise)
 {
     const struct eds_number number = dg_co_take_number(text);
     const uint64_t value = number.wide;
@@ -137,15 +139,15 @@ static uint64_t number_of(struct eds_maker *self, const struct eds_entry *entry,
         return otherwise;
     }
     if (!number.valid_wide || number.follows ||
-        (extend(to, value) != value && (value & ones_of(to)) != value)) {
+        (extend_sign(to, value) != value && (value & ones_of(to)) != value)) {
         dg_co_note_entry(&self->in, entry, key, "is no number of its type, and left out",
                          "a number, as 7 or 0x0007");
         return otherwise;
     }
-    return extend(to, value);
+    return extend_sign(to, value);
 }
 
-static bool is_within(const struct dg_co_long *self, uint64_t value)
+static bool is_within_limits(const struct dg_co_long *self, uint64_t value)
 {
     return self->kind == DG_CO_LONG_SIGNED
                ? (int64_t)value >= (int64_t)self->min && (int64_t)value <= (int64_t)self->max
@@ -159,9 +161,9 @@ static void find_limits(struct eds_maker *self, const struct eds_entry *entry,
     const uint64_t most = has_sign ? ones_of(to) / 2u : ones_of(to);
     const uint64_t least = has_sign ? ~most : 0;
 
-    to->min = number_of(self, entry, "LowLimit", entry->low, to, least);
-    to->max = number_of(self, entry, "HighLimit", entry->high, to, most);
-    if (!is_within(to, initial)) {
+    to->min = wide_number_of(self, entry, "LowLimit", entry->low, to, least);
+    to->max = wide_number_of(self, entry, "HighLimit", entry->high, to, most);
+    if (!is_within_limits(to, initial)) {
         dg_co_note_entry(&self->in, entry, "",
                          "its default is outside of its limits, which are left out", NULL);
         to->min = least;
@@ -181,7 +183,7 @@ static void make_number(struct eds_maker *self, const struct eds_entry *entry,
     if (bytes == NULL) {
         return;
     }
-    const uint64_t initial = number_of(self, entry, "DefaultValue", entry->initial, to, 0);
+    const uint64_t initial = wide_number_of(self, entry, "DefaultValue", entry->initial, to, 0);
     dg_store_le64(bytes, initial);
     to->initial = bytes;
     find_limits(self, entry, to, initial);

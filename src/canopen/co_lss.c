@@ -29,7 +29,7 @@ enum {
 #define IDENTITY_PARTS 4u
 #define NO_RATE 0xFFu
 
-static void answer(struct dg_co_node *self, uint8_t cs, uint32_t value)
+static void answer_master(struct dg_co_node *self, uint8_t cs, uint32_t value)
 {
     uint8_t data[8] = {cs};
 
@@ -74,7 +74,7 @@ static void switch_selective(struct dg_co_node *self, const uint8_t *data)
     if (self->lss.selective == IDENTITY_PARTS) {
         self->lss.selective = 0;
         self->lss.configuration = true;
-        answer(self, SELECTED, 0);
+        answer_master(self, SELECTED, 0);
     }
 }
 
@@ -86,12 +86,12 @@ static void configure_node_id(struct dg_co_node *self, const uint8_t *data)
         self->lss.node_id = data[1];
         self->lss.changed = true;
     }
-    answer(self, data[0], valid ? RESULT_OK : RESULT_REFUSED);
+    answer_master(self, data[0], valid ? RESULT_OK : RESULT_REFUSED);
 }
 
 /* The device's number for a bit rate of CiA 305's table 0; NO_RATE: it has none, or none is meant.
  */
-static uint8_t number_of(const struct dg_co_device *device, uint8_t index)
+static uint8_t rate_number_of(const struct dg_co_device *device, uint8_t index)
 {
     static const uint16_t kbaud[] = {1000, 800, 500, 250, 125, 0, 50, 20, 10};
     uint16_t wanted = index < DG_COUNT(kbaud) ? kbaud[index] : 0;
@@ -108,14 +108,14 @@ static uint8_t number_of(const struct dg_co_device *device, uint8_t index)
 
 static void configure_bit_timing(struct dg_co_node *self, const uint8_t *data)
 {
-    uint8_t number = data[1] == 0 ? number_of(self->setup.device, data[2]) : NO_RATE;
+    uint8_t number = data[1] == 0 ? rate_number_of(self->setup.device, data[2]) : NO_RATE;
     bool valid = number != NO_RATE;
 
     if (valid) {
         self->lss.bit_rate = number;
         self->lss.changed = true;
     }
-    answer(self, data[0], valid ? RESULT_OK : RESULT_REFUSED);
+    answer_master(self, data[0], valid ? RESULT_OK : RESULT_REFUSED);
 }
 
 /* Silent for one delay, then the new rate, then silent for one more. */
@@ -131,7 +131,7 @@ static void store(struct dg_co_node *self, const uint8_t *data)
 {
     enum dg_co_abort abort = dg_co_save_bus(self, self->lss.bit_rate, self->lss.node_id);
 
-    answer(self, data[0], abort == DG_CO_OK ? RESULT_OK : RESULT_MEDIA);
+    answer_master(self, data[0], abort == DG_CO_OK ? RESULT_OK : RESULT_MEDIA);
 }
 
 /* Vendor, product, then lowest and highest revision and serial number. */
@@ -149,7 +149,7 @@ static void identify(struct dg_co_node *self, const uint8_t *data)
     self->lss.identify = match ? (uint8_t)(step + 1u) : 0;
     if (self->lss.identify == sizeof parts) {
         self->lss.identify = 0;
-        answer(self, IDENTIFIED, 0);
+        answer_master(self, IDENTIFIED, 0);
     }
 }
 
@@ -157,7 +157,7 @@ static void identify_non_configured(struct dg_co_node *self, const uint8_t *data
 {
     (void)data;
     if (unconfigured(self)) {
-        answer(self, NOT_CONFIGURED, 0);
+        answer_master(self, NOT_CONFIGURED, 0);
     }
 }
 
@@ -175,7 +175,7 @@ static void fastscan(struct dg_co_node *self, const uint8_t *data)
     }
     if (bit_check == FASTSCAN_CONFIRM) {
         self->lss.fastscan = 0;
-        answer(self, IDENTIFIED, 0);
+        answer_master(self, IDENTIFIED, 0);
         return;
     }
     if (bit_check > 31 || sub >= IDENTITY_PARTS || next >= IDENTITY_PARTS ||
@@ -187,17 +187,17 @@ static void fastscan(struct dg_co_node *self, const uint8_t *data)
     }
     self->lss.fastscan = next;
     self->lss.configuration = bit_check == 0 && next < sub;
-    answer(self, IDENTIFIED, 0);
+    answer_master(self, IDENTIFIED, 0);
 }
 
 static void inquire(struct dg_co_node *self, const uint8_t *data)
 {
-    answer(self, data[0], identity(self, (uint8_t)(data[0] - INQUIRE_FIRST)));
+    answer_master(self, data[0], identity(self, (uint8_t)(data[0] - INQUIRE_FIRST)));
 }
 
 static void inquire_node_id(struct dg_co_node *self, const uint8_t *data)
 {
-    answer(self, data[0], self->id);
+    answer_master(self, data[0], self->id);
 }
 
 /* clang-format off */

@@ -34,7 +34,7 @@ static enum dg_co_abort find_mapped(const struct dg_co_node *self, uint32_t entr
 }
 
 /* One more object. */
-static void append(struct dg_co_tpdo *tpdo, const struct dg_co_object *object)
+static void append_object(struct dg_co_tpdo *tpdo, const struct dg_co_object *object)
 {
     uint8_t size = co_size(object);
 
@@ -47,7 +47,7 @@ static void append(struct dg_co_tpdo *tpdo, const struct dg_co_object *object)
 
 /* Entries 1..count to rows; an entry of 0 is an unused one. Only while the TPDO is not valid, or
  * with the entries it has. */
-static enum dg_co_abort resolve(struct dg_co_node *self, uint8_t n, uint32_t count)
+static enum dg_co_abort resolve_entries(struct dg_co_node *self, uint8_t n, uint32_t count)
 {
     struct dg_co_tpdo *tpdo = &self->tpdo[n];
 
@@ -73,7 +73,7 @@ static enum dg_co_abort resolve(struct dg_co_node *self, uint8_t n, uint32_t cou
             return DG_CO_PDO_LENGTH;
         }
         while (tpdo->length < end) {
-            append(tpdo, &object);
+            append_object(tpdo, &object);
             object.row--; /* the other half of 64 bits */
         }
     }
@@ -92,7 +92,7 @@ static enum dg_co_abort check_mapping(struct dg_co_node *self, uint8_t n, uint8_
         return DG_CO_ACCESS;
     }
     if (sub == 0) {
-        return resolve(self, n, wanted);
+        return resolve_entries(self, n, wanted);
     }
     if (co_pdo_parameter(self, n, CO_PDO_MAPPED) != 0) {
         return DG_CO_ACCESS;
@@ -136,7 +136,7 @@ static enum dg_co_abort check_cob_id(struct dg_co_node *self, uint8_t n, uint32_
         return id == tpdo->can_id ? DG_CO_OK : DG_CO_RANGE;
     }
     uint32_t count = co_pdo_parameter(self, n, CO_PDO_MAPPED);
-    bool complete = resolve(self, n, count) == DG_CO_OK && tpdo->length != 0 &&
+    bool complete = resolve_entries(self, n, count) == DG_CO_OK && tpdo->length != 0 &&
                     !is_reserved(co_pdo_parameter(self, n, CO_PDO_TYPE));
     return complete ? DG_CO_OK : DG_CO_RANGE;
 }
@@ -209,7 +209,7 @@ enum dg_co_abort dg_co_hook_tpdo(struct dg_co_node *self, const struct dg_co_obj
 }
 
 /* Parameters that do not fit together, from a damaged or foreign memory, leave a TPDO not valid. */
-static void start(struct dg_co_node *self, uint8_t n)
+static void start_tpdo(struct dg_co_node *self, uint8_t n)
 {
     uint32_t *cob_id = &self->value[CO_TPDO(n, CO_PDO_COB_ID)];
     uint32_t *count = &self->value[CO_TPDO(n, CO_PDO_MAPPED)];
@@ -227,6 +227,6 @@ void dg_co_pdo_start(struct dg_co_node *self)
     self->sync_mask = 0;
     for (uint8_t n = 0; n < DG_CO_TPDOS; n++) {
         self->tpdo[n] = (struct dg_co_tpdo){.event_at = DG_NEVER};
-        start(self, n);
+        start_tpdo(self, n);
     }
 }

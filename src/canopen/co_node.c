@@ -68,7 +68,7 @@ void dg_co_use_bit_rate(struct dg_co_node *self)
 }
 
 /* Time does not run backwards, and DG_NEVER is no moment. */
-static void advance(struct dg_co_node *self, dg_ns now)
+static void advance_time(struct dg_co_node *self, dg_ns now)
 {
     if (now > self->now && now != DG_NEVER) {
         self->now = now;
@@ -86,7 +86,7 @@ int dg_co_init(struct dg_co_node *self, const struct dg_co_setup *setup)
 }
 
 /* Initialisation (CiA 301): application, then communication, then boot-up. */
-static void initialise(struct dg_co_node *self, bool application)
+static void initialise_node(struct dg_co_node *self, bool application)
 {
     const struct dg_co_device *device = self->setup.device;
     bool operational = false;
@@ -126,7 +126,7 @@ void dg_co_reset(struct dg_co_node *self, bool application)
     const bool passive = (self->active_causes >> DG_CO_CAUSE_PASSIVE & 1u) != 0;
 
     dg_co_remount(self);
-    initialise(self, application);
+    initialise_node(self, application);
     if (passive) {
         dg_co_raise(self, DG_CO_CAUSE_PASSIVE, none);
     }
@@ -144,7 +144,7 @@ int dg_co_power_on(struct dg_co_node *self, dg_ns now)
     self->lss.silent_until = 0;
     self->bus_found = false;
     dg_co_use_bit_rate(self);
-    initialise(self, true);
+    initialise_node(self, true);
     return DG_OK;
 }
 
@@ -253,7 +253,7 @@ static dg_ns step_services(struct dg_co_node *self)
 }
 
 /* One service's work can make another's due at the same moment. */
-static dg_ns settle(struct dg_co_node *self)
+static dg_ns settle_services(struct dg_co_node *self)
 {
     do {
         self->deadline = step_services(self);
@@ -266,8 +266,8 @@ dg_ns dg_co_step(struct dg_co_node *self, dg_ns now)
     if (self->state == DG_CO_OFF) {
         return DG_NEVER;
     }
-    advance(self, now);
-    return settle(self);
+    advance_time(self, now);
+    return settle_services(self);
 }
 
 dg_ns dg_co_rx(struct dg_co_node *self, dg_ns now, const struct dg_can_frame *frame)
@@ -277,9 +277,9 @@ dg_ns dg_co_rx(struct dg_co_node *self, dg_ns now, const struct dg_can_frame *fr
     }
     self->rx_at = now;
     self->bus_found = true;
-    advance(self, now);
+    advance_time(self, now);
     if (self->deadline <= self->now) {
-        (void)settle(self);
+        (void)settle_services(self);
     }
     if (co_lss_silent(self)) {
         return self->deadline;
@@ -288,7 +288,7 @@ dg_ns dg_co_rx(struct dg_co_node *self, dg_ns now, const struct dg_can_frame *fr
     service_rx(self, frame);
     /* Most frames move no deadline but the SDO server's. */
     self->deadline = dg_earliest(self->others, self->sdo.deadline);
-    return self->deadline <= self->now ? settle(self) : self->deadline;
+    return self->deadline <= self->now ? settle_services(self) : self->deadline;
 }
 
 dg_ns dg_co_bus(struct dg_co_node *self, dg_ns now, enum dg_co_bus_event event)
@@ -301,7 +301,7 @@ dg_ns dg_co_bus(struct dg_co_node *self, dg_ns now, enum dg_co_bus_event event)
     if (self->state == DG_CO_OFF) {
         return DG_NEVER;
     }
-    advance(self, now);
+    advance_time(self, now);
     switch (event) {
     case DG_CO_BUS_OVERRUN:
         dg_co_raise(self, DG_CO_CAUSE_OVERRUN, none);
@@ -328,7 +328,7 @@ dg_ns dg_co_bus(struct dg_co_node *self, dg_ns now, enum dg_co_bus_event event)
     case DG_CO_BUS_ABSENT:
         break;
     }
-    return settle(self);
+    return settle_services(self);
 }
 
 enum dg_co_bus_event dg_co_controller_state(const struct dg_co_node *self)

@@ -27,7 +27,7 @@ static bool is_synchronous(uint8_t type)
 
 /* Values little-endian, one behind the other; a store's surplus is zeros, and overwritten by the
  * next. */
-static void build(struct dg_co_node *self, const struct dg_co_tpdo *tpdo, uint8_t *data)
+static void build_frame(struct dg_co_node *self, const struct dg_co_tpdo *tpdo, uint8_t *data)
 {
     for (uint8_t i = 0; i < tpdo->mapped_count; i++) {
         const struct dg_co_object object = co_numbered(self->setup.device, tpdo->mapped[i]);
@@ -46,9 +46,9 @@ static void send_last(struct dg_co_node *self, const struct dg_co_tpdo *tpdo)
     dg_co_send_frame(self, &frame);
 }
 
-static void transmit(struct dg_co_node *self, struct dg_co_tpdo *tpdo)
+static void transmit_tpdo(struct dg_co_node *self, struct dg_co_tpdo *tpdo)
 {
-    build(self, tpdo, tpdo->last);
+    build_frame(self, tpdo, tpdo->last);
     tpdo->sampled = tpdo->type != CO_PDO_REQUEST_SYNC; /* whose sample comes from a SYNC only */
     send_last(self, tpdo);
 }
@@ -67,8 +67,8 @@ static bool sample_once(struct dg_co_node *self, bool *sampled)
 }
 
 /* The event timer runs from `from`; when a whole period has been missed, from now. It only counts
- * for a TPDO that serve_all() looks at; whatever makes it look at one comes by here. */
-static void arm(struct dg_co_node *self, uint8_t n, dg_ns from)
+ * for a TPDO that serve_tpdos() looks at; whatever makes it look at one comes by here. */
+static void arm_event_timer(struct dg_co_node *self, uint8_t n, dg_ns from)
 {
     struct dg_co_tpdo *tpdo = &self->tpdo[n];
     uint32_t period_ms = co_pdo_parameter(self, n, CO_PDO_EVENT_MS);
@@ -81,7 +81,7 @@ static void arm(struct dg_co_node *self, uint8_t n, dg_ns from)
 
 void dg_co_pdo_rearm(struct dg_co_node *self, uint8_t tpdo)
 {
-    arm(self, tpdo, self->now);
+    arm_event_timer(self, tpdo, self->now);
 }
 
 /* Forget events, samples and the phase of SYNC. */
@@ -96,7 +96,7 @@ void dg_co_pdo_restart(struct dg_co_node *self, uint8_t n)
     if (tpdo->valid && is_synchronous(tpdo->type)) {
         self->sync_mask |= (uint8_t)(1u << n);
     }
-    arm(self, n, self->now);
+    arm_event_timer(self, n, self->now);
 }
 
 /* ------------------------------------------------------------ events */
@@ -108,7 +108,7 @@ void dg_co_pdo_restart(struct dg_co_node *self, uint8_t n)
  *   sent    e     |      e         e
  *           |<-inhibit-->|<-inhibit-->|
  */
-static dg_ns serve(struct dg_co_node *self, uint8_t n, bool *sampled)
+static dg_ns serve_tpdo(struct dg_co_node *self, uint8_t n, bool *sampled)
 {
     struct dg_co_tpdo *tpdo = &self->tpdo[n];
     dg_ns from = self->now;
@@ -128,20 +128,20 @@ static dg_ns serve(struct dg_co_node *self, uint8_t n, bool *sampled)
         return DG_NEVER;
     }
     tpdo->pending = false;
-    transmit(self, tpdo);
+    transmit_tpdo(self, tpdo);
     tpdo->inhibit_until =
         dg_co_after(self->now, DG_US(100u * co_pdo_parameter(self, n, CO_PDO_INHIBIT_100US)));
-    arm(self, n, from);
+    arm_event_timer(self, n, from);
     return tpdo->event_at;
 }
 
-static void serve_all(struct dg_co_node *self, bool sampled)
+static void serve_tpdos(struct dg_co_node *self, bool sampled)
 {
     dg_ns next = DG_NEVER;
 
     for (uint8_t n = 0; n < DG_CO_TPDOS && self->state == DG_CO_OPERATIONAL; n++) {
         if (self->tpdo[n].valid && self->tpdo[n].type >= CO_PDO_EVENT) {
-            next = dg_earliest(next, serve(self, n, &sampled));
+            next = dg_earliest(next, serve_tpdo(self, n, &sampled));
         }
     }
     self->pdo_at = next;
@@ -150,13 +150,13 @@ static void serve_all(struct dg_co_node *self, bool sampled)
 dg_ns dg_co_pdo_step(struct dg_co_node *self)
 {
     if (self->pdo_at <= self->now) {
-        serve_all(self, false);
+        serve_tpdos(self, false);
     }
     return self->pdo_at;
 }
 
 /* Only objects with DG_CO_EVENT count. */
-static bool has_changed(const struct dg_co_tpdo *tpdo, const uint8_t *data)
+static bool has_tpdo_changed(const struct dg_co_tpdo *tpdo, const uint8_t *data)
 {
     bool changed = !tpdo->sampled;
 
@@ -178,11 +178,11 @@ void dg_co_pdo_event(struct dg_co_node *self)
         uint8_t data[sizeof tpdo->last];
         if (tpdo->valid && tpdo->event_bytes != 0 && co_pdo_takes_events(tpdo->type) &&
             !tpdo->pending) {
-            build(self, tpdo, data);
-            tpdo->pending = has_changed(tpdo, data);
+            build_frame(self, tpdo, data);
+            tpdo->pending = has_tpdo_changed(tpdo, data);
         }
     }
-    serve_all(self, sampled);
+    serve_tpdos(self, sampled);
 }
 
 void dg_co_pdo_state(struct dg_co_node *self, bool operational)
@@ -191,12 +191,12 @@ void dg_co_pdo_state(struct dg_co_node *self, bool operational)
         dg_co_pdo_restart(self, n);
         self->tpdo[n].pending = operational && co_pdo_takes_events(self->tpdo[n].type);
     }
-    serve_all(self, false);
+    serve_tpdos(self, false);
 }
 
 /* ------------------------------------------------------------ SYNC and RTR */
 
-static bool is_due(struct dg_co_tpdo *tpdo)
+static bool is_tpdo_due(struct dg_co_tpdo *tpdo)
 {
     if (tpdo->type == CO_PDO_ACYCLIC) {
         return tpdo->pending;
@@ -213,19 +213,19 @@ static bool is_due(struct dg_co_tpdo *tpdo)
 }
 
 /* `late`: the window 1007h is over. The phase goes on, an event waits for the next SYNC. */
-static void synchronise(struct dg_co_node *self, struct dg_co_tpdo *tpdo, bool late)
+static void synchronise_tpdo(struct dg_co_node *self, struct dg_co_tpdo *tpdo, bool late)
 {
-    if (!is_due(tpdo)) {
+    if (!is_tpdo_due(tpdo)) {
         return;
     }
     if (late) {
         self->counters.late_sync++;
     } else if (tpdo->type == CO_PDO_REQUEST_SYNC) {
-        build(self, tpdo, tpdo->last);
+        build_frame(self, tpdo, tpdo->last);
         tpdo->sampled = true;
     } else {
         tpdo->pending = false;
-        transmit(self, tpdo);
+        transmit_tpdo(self, tpdo);
     }
 }
 
@@ -265,13 +265,13 @@ void dg_co_sync_rx(struct dg_co_node *self, const struct dg_can_frame *frame)
     struct dg_co_tpdo *tpdo = self->tpdo;
     for (unsigned mask = self->sync_mask; mask != 0; mask >>= 1) {
         if ((mask & 1u) != 0) {
-            synchronise(self, tpdo, late);
+            synchronise_tpdo(self, tpdo, late);
         }
         tpdo++;
     }
 }
 
-static void answer(struct dg_co_node *self, uint8_t n)
+static void answer_remote(struct dg_co_node *self, uint8_t n)
 {
     struct dg_co_tpdo *tpdo = &self->tpdo[n];
     bool sampled = false;
@@ -279,8 +279,8 @@ static void answer(struct dg_co_node *self, uint8_t n)
     if (tpdo->type == CO_PDO_REQUEST_SYNC && tpdo->sampled) {
         send_last(self, tpdo);
     } else if (sample_once(self, &sampled)) {
-        transmit(self, tpdo);
-        arm(self, n, self->now);
+        transmit_tpdo(self, tpdo);
+        arm_event_timer(self, n, self->now);
     }
 }
 
@@ -289,7 +289,7 @@ void dg_co_pdo_rtr(struct dg_co_node *self, uint16_t id)
     for (uint8_t n = 0; n < DG_CO_TPDOS; n++) {
         const struct dg_co_tpdo *tpdo = &self->tpdo[n];
         if (tpdo->valid && tpdo->can_id == id && tpdo->rtr_allowed) {
-            answer(self, n);
+            answer_remote(self, n);
         }
     }
 }

@@ -42,13 +42,13 @@ static char small(char c)
     return (char)(c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c);
 }
 
-static bool is_blank(char c)
+static bool is_eds_blank(char c)
 {
     return c == ' ' || c == '\t' || c == '\r';
 }
 
 /* @return 0..15, or 16: none */
-static uint32_t digit_of(char c)
+static uint32_t hex_digit_of(char c)
 {
     const char low = small(c);
 
@@ -60,11 +60,11 @@ static uint32_t digit_of(char c)
 
 static struct eds_span trim_blanks(struct eds_span text)
 {
-    while (text.n > 0 && is_blank(text.at[0])) {
+    while (text.n > 0 && is_eds_blank(text.at[0])) {
         text.at++;
         text.n--;
     }
-    while (text.n > 0 && is_blank(text.at[text.n - 1u])) {
+    while (text.n > 0 && is_eds_blank(text.at[text.n - 1u])) {
         text.n--;
     }
     return text;
@@ -82,7 +82,7 @@ static size_t find_character(struct eds_span text, char c)
 }
 
 /* @return characters of `word`, or 0: the text begins otherwise */
-static size_t begins(struct eds_span text, const char *word)
+static size_t begins_with(struct eds_span text, const char *word)
 {
     size_t n = 0;
 
@@ -95,19 +95,20 @@ static size_t begins(struct eds_span text, const char *word)
 /* The first word of a text. */
 static bool is_first(struct eds_span text, const char *word)
 {
-    const size_t n = begins(text, word);
+    const size_t n = begins_with(text, word);
 
-    return n > 0 && (n == text.n || is_blank(text.at[n]) || text.at[n] == ';' || text.at[n] == '#');
+    return n > 0 &&
+           (n == text.n || is_eds_blank(text.at[n]) || text.at[n] == ';' || text.at[n] == '#');
 }
 
-static struct eds_span behind(struct eds_span text, size_t n)
+static struct eds_span skip_characters(struct eds_span text, size_t n)
 {
     return (struct eds_span){text.at + n, text.n - n};
 }
 
 bool dg_co_is_word(struct eds_span text, const char *word)
 {
-    return text.n > 0 && begins(text, word) == text.n;
+    return text.n > 0 && begins_with(text, word) == text.n;
 }
 
 /* ------------------------------------------------------------ numbers */
@@ -119,18 +120,18 @@ static size_t condense_number(struct eds_span text, char to[DIGITS_MAX], bool *f
 
     while (text.n > 0 && text.at[0] != ';' && text.at[0] != '#') {
         const char c = text.at[0];
-        if (begins(text, "$NODEID") > 0) {
+        if (begins_with(text, "$NODEID") > 0) {
             *follows = true;
-            text = behind(text, 7);
+            text = skip_characters(text, 7);
             continue;
         }
-        if (!is_blank(c) && c != '"' && c != '+') {
+        if (!is_eds_blank(c) && c != '"' && c != '+') {
             if (n == DIGITS_MAX) {
                 return n + 1u;
             }
             to[n++] = c;
         }
-        text = behind(text, 1);
+        text = skip_characters(text, 1);
     }
     return n;
 }
@@ -141,7 +142,7 @@ static bool convert_digits(const char *digits, size_t n, uint32_t base, uint64_t
     uint64_t value = 0;
 
     for (size_t i = 0; i < n; i++) {
-        const uint32_t digit = digit_of(digits[i]);
+        const uint32_t digit = hex_digit_of(digits[i]);
         if (digit >= base || value > (UINT64_MAX - digit) / base) {
             return false;
         }
@@ -186,7 +187,7 @@ struct eds_number dg_co_take_number(struct eds_span text)
 
 /* ------------------------------------------------------------ notes, memory */
 
-static void copy_text(char *to, size_t size, struct eds_span from)
+static void copy_span(char *to, size_t size, struct eds_span from)
 {
     size_t n = 0;
 
@@ -203,9 +204,9 @@ void dg_co_note_place(struct eds_reader *self, const struct eds_place *place, co
     struct dg_eds_note note = {
         .line = place->line, .what = what, .right = right, .lacks = place->lacks};
 
-    copy_text(note.section, sizeof note.section, place->section);
-    copy_text(note.key, sizeof note.key, place->key);
-    copy_text(note.value, sizeof note.value, place->value);
+    copy_span(note.section, sizeof note.section, place->section);
+    copy_span(note.key, sizeof note.key, place->key);
+    copy_span(note.value, sizeof note.value, place->value);
     if (self->setup->note != NULL) {
         self->setup->note(self->setup->ctx, &note);
     }
@@ -263,7 +264,7 @@ static size_t read_digits(struct eds_span text, uint32_t base, size_t most, uint
     uint64_t value = 0;
     size_t n = 0;
 
-    while (n < text.n && n < most && digit_of(text.at[n]) < base) {
+    while (n < text.n && n < most && hex_digit_of(text.at[n]) < base) {
         n++;
     }
     if (!convert_digits(text.at, n, base, &value)) {
@@ -300,8 +301,9 @@ static void begin_object(struct line *line, uint32_t index, struct eds_span rest
         in->objects++;
         line->current = dg_co_add_entry(in, DG_CO_KEY(index, 0), EDS_OBJECT, line->number);
         line->place = PLACE_OBJECT;
-    } else if (begins(rest, "sub") > 0 && rest.n > 3u &&
-               read_digits(behind(rest, 3), 16, 3, &sub) == rest.n - 3u && sub <= UINT8_MAX) {
+    } else if (begins_with(rest, "sub") > 0 && rest.n > 3u &&
+               read_digits(skip_characters(rest, 3), 16, 3, &sub) == rest.n - 3u &&
+               sub <= UINT8_MAX) {
         line->current = dg_co_add_entry(in, DG_CO_KEY(index, sub), EDS_SUB, line->number);
         line->place = PLACE_OBJECT;
     } else if (dg_co_is_word(rest, "Value")) {
@@ -311,7 +313,7 @@ static void begin_object(struct line *line, uint32_t index, struct eds_span rest
     }
 }
 
-static void begin_section(struct line *line, struct eds_span name)
+static void begin_eds_section(struct line *line, struct eds_span name)
 {
     uint32_t index = 0;
     const size_t n = read_digits(name, 16, 4, &index);
@@ -327,15 +329,15 @@ static void begin_section(struct line *line, struct eds_span name)
                dg_co_is_word(name, "DeviceCommissioning")) {
         line->place = PLACE_COMMISSIONING; /* CiA 306 spells it so */
     } else if (n == 4) {
-        begin_object(line, index, behind(name, n));
-    } else if (n > 0 && (n == name.n || digit_of(name.at[0]) < 10)) {
+        begin_object(line, index, skip_characters(name, n));
+    } else if (n > 0 && (n == name.n || hex_digit_of(name.at[0]) < 10)) {
         note_line(line, no_object, one_object);
     }
 }
 
 /* ------------------------------------------------------------ keys of objects */
 
-static void take_number(const struct line *line, uint32_t most, uint32_t *to)
+static void take_eds_number(const struct line *line, uint32_t most, uint32_t *to)
 {
     const struct eds_number number = dg_co_take_number(line->value);
 
@@ -405,11 +407,11 @@ static void take_initial(const struct line *line, struct eds_entry *to, bool con
 }
 
 /* Keys whose value is a small number. */
-static void take_figure(const struct line *line, struct eds_entry *to, enum object_key key)
+static void take_small_number(const struct line *line, struct eds_entry *to, enum object_key key)
 {
     uint32_t number = 0;
 
-    take_number(line, key == KEY_DATA_TYPE ? UINT16_MAX : UINT8_MAX, &number);
+    take_eds_number(line, key == KEY_DATA_TYPE ? UINT16_MAX : UINT8_MAX, &number);
     if (key == KEY_OBJECT_TYPE) {
         to->object = (uint8_t)number;
     } else if (key == KEY_DATA_TYPE) {
@@ -428,7 +430,7 @@ static void take_object(const struct line *line)
     const enum object_key key = object_key_of(line->key);
 
     if (key <= KEY_MAPPING) {
-        take_figure(line, to, key);
+        take_small_number(line, to, key);
     } else if (key == KEY_ACCESS) {
         take_access(line, to);
     } else if (key == KEY_LOW) {
@@ -462,10 +464,10 @@ static void take_rate(const struct line *line, struct eds_info *info)
     uint32_t kbaud = 0;
     uint32_t there = 0;
 
-    if (read_digits(behind(line->key, 9), 10, 4, &kbaud) != line->key.n - 9u) {
+    if (read_digits(skip_characters(line->key, 9), 10, 4, &kbaud) != line->key.n - 9u) {
         return;
     }
-    take_number(line, UINT8_MAX, &there);
+    take_eds_number(line, UINT8_MAX, &there);
     for (size_t i = 0; i < EDS_RATES; i++) {
         if (dg_co_eds_kbaud[i] == kbaud && there != 0) {
             info->rates |= (uint16_t)(1u << i);
@@ -487,14 +489,14 @@ static void take_info(const struct line *line)
 
     for (size_t i = 0; i < DG_COUNT(numbers); i++) {
         if (dg_co_is_word(line->key, numbers[i].word)) {
-            take_number(line, UINT32_MAX, numbers[i].to);
+            take_eds_number(line, UINT32_MAX, numbers[i].to);
         }
     }
     if (dg_co_is_word(line->key, "ProductName")) {
         info->product = line->value;
     } else if (dg_co_is_word(line->key, "VendorName")) {
         info->vendor = line->value;
-    } else if (begins(line->key, "BaudRate_") > 0) {
+    } else if (begins_with(line->key, "BaudRate_") > 0) {
         take_rate(line, info);
     }
 }
@@ -506,15 +508,15 @@ static void take_commissioning(const struct line *line)
     uint32_t number = 0;
 
     if (dg_co_is_word(line->key, "NodeID")) {
-        take_number(line, UINT8_MAX, &number);
+        take_eds_number(line, UINT8_MAX, &number);
         info->node_id = number <= 127 ? (uint8_t)number : 0;
     } else if (dg_co_is_word(line->key, "Baudrate")) {
-        take_number(line, 1000, &number);
+        take_eds_number(line, 1000, &number);
         info->kbaud = (uint16_t)number;
     }
 }
 
-static void take_line(const struct line *line)
+static void take_eds_line(const struct line *line)
 {
     uint32_t number = 0;
 
@@ -554,9 +556,9 @@ static void read_line(struct line *line, struct eds_span text)
         return;
     }
     if (text.at[0] == '[') {
-        text = behind(text, 1);
+        text = skip_characters(text, 1);
         const size_t end = find_character(text, ']');
-        begin_section(line, trim_blanks((struct eds_span){text.at, end}));
+        begin_eds_section(line, trim_blanks((struct eds_span){text.at, end}));
         if (end == text.n) {
             note_line(line, "has no ']'", NULL);
         }
@@ -568,8 +570,8 @@ static void read_line(struct line *line, struct eds_span text)
         note_line(line, "is left out", "KEY=VALUE or [SECTION]");
         return;
     }
-    line->value = trim_blanks(behind(text, n + 1u));
-    take_line(line);
+    line->value = trim_blanks(skip_characters(text, n + 1u));
+    take_eds_line(line);
 }
 
 static bool is_behind(const struct eds_entry *a, const struct eds_entry *b)
@@ -628,12 +630,12 @@ int dg_co_scan_text(struct eds_reader *self)
     if (rest.n > DG_EDS_BYTES_MAX) {
         return dg_co_refuse_text(self, 0, "too long", "at most 1 MB");
     }
-    rest = behind(rest, begins(rest, BOM));
+    rest = skip_characters(rest, begins_with(rest, BOM));
     while (rest.n > 0 && check_size(self, line.number) == DG_OK) {
         const size_t n = find_character(rest, '\n');
         line.number++;
         read_line(&line, (struct eds_span){rest.at, n});
-        rest = behind(rest, n < rest.n ? n + 1u : n);
+        rest = skip_characters(rest, n < rest.n ? n + 1u : n);
     }
     dg_co_expand_entries(self);
     const int result = check_size(self, line.number);
@@ -659,10 +661,10 @@ unsigned dg_co_find_object(const struct dg_eds_setup *setup, uint16_t index)
         uint32_t found = 0;
         line++;
         if (text.n > 5 && text.at[0] == '[' && text.at[5] == ']' &&
-            read_digits(behind(text, 1), 16, 4, &found) == 4 && found == index) {
+            read_digits(skip_characters(text, 1), 16, 4, &found) == 4 && found == index) {
             return line;
         }
-        rest = behind(rest, n < rest.n ? n + 1u : n);
+        rest = skip_characters(rest, n < rest.n ? n + 1u : n);
     }
     return 0;
 }

@@ -17,7 +17,7 @@ _Static_assert(DG_CO_VALUE_APPLICATION == DG_CO_SLOT_APPLICATION, "all of the st
 /* ------------------------------------------------------------ types and numbers */
 
 /* As what a row holds it; DG_CO_TYPE_COUNT: not at all. */
-static enum dg_co_type type_of(const struct eds_entry *entry)
+static enum dg_co_type row_type_of(const struct eds_entry *entry)
 {
     static const uint8_t types[] = {
         [0x01] = DG_CO_U8,     [0x02] = DG_CO_I8,     [0x03] = DG_CO_I16,    [0x04] = DG_CO_I32,
@@ -41,9 +41,9 @@ static bool fits_type(const struct dg_co_object *object, uint32_t value)
 }
 
 /* A number of an entry, sign-extended; `otherwise` when there is none. */
-static uint32_t number_of(struct eds_maker *self, const struct eds_entry *entry, const char *key,
-                          struct eds_span text, const struct dg_co_object *object,
-                          uint32_t otherwise)
+static uint32_t entry_number_of(struct eds_maker *self, const struct eds_entry *entry,
+                                const char *key, struct eds_span text,
+                                const struct dg_co_object *object, uint32_t otherwise)
 {
     const struct eds_number number = dg_co_take_number(text);
 
@@ -71,8 +71,8 @@ static struct dg_co_limits limits_of(struct eds_maker *self, const struct eds_en
                                      bool follows, struct dg_co_limits all)
 {
     const struct dg_co_limits range = {
-        number_of(self, entry, "LowLimit", entry->low, object, all.min),
-        number_of(self, entry, "HighLimit", entry->high, object, all.max),
+        entry_number_of(self, entry, "LowLimit", entry->low, object, all.min),
+        entry_number_of(self, entry, "HighLimit", entry->high, object, all.max),
     };
 
     if (dg_co_take_number(entry->low).follows || dg_co_take_number(entry->high).follows) {
@@ -191,7 +191,8 @@ static uint32_t bound_default(struct eds_maker *self, const struct eds_entry *en
                               bool *follows)
 {
     const uint32_t own = dg_co_default(self->to->base, base);
-    const uint32_t initial = number_of(self, entry, "DefaultValue", entry->initial, object, own);
+    const uint32_t initial =
+        entry_number_of(self, entry, "DefaultValue", entry->initial, object, own);
 
     *follows = entry->initial.n == 0
                    ? co_is(base, DG_CO_ID)
@@ -257,7 +258,7 @@ static void make_plain(struct eds_maker *self, const struct eds_entry *entry, st
     const struct dg_co_object object = object_of(row);
     const bool follows = dg_co_take_number(entry->initial).follows;
     const uint32_t initial =
-        number_of(self, entry, "DefaultValue", entry->initial, &object, otherwise);
+        entry_number_of(self, entry, "DefaultValue", entry->initial, &object, otherwise);
 
     row->flags |= (entry->access & (DG_CO_R | DG_CO_W)) | (entry->map ? DG_CO_MAP : 0u);
     self->to->plain++;
@@ -321,7 +322,7 @@ static uint32_t lent_default(const struct eds_maker *self, const struct dg_co_ob
 /* @return how many rows; 0: nothing can be made of it */
 static uint16_t make_row(struct eds_maker *self, struct eds_entry *entry, struct dg_co_row *row)
 {
-    const enum dg_co_type type = type_of(entry);
+    const enum dg_co_type type = row_type_of(entry);
     struct dg_co_object base;
 
     *row = (struct dg_co_row){.key = entry->key};

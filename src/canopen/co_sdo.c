@@ -86,7 +86,7 @@ void dg_co_sdo_become(struct dg_co_node *self, enum dg_co_sdo_state state)
 }
 
 /* An answer whose bytes are all set. */
-static enum dg_co_abort send(struct dg_co_node *self, struct dg_can_frame *frame)
+static enum dg_co_abort send_answer(struct dg_co_node *self, struct dg_can_frame *frame)
 {
     frame->id = (uint16_t)(CO_ID_SDO_TX + self->id);
     frame->rtr = false;
@@ -101,7 +101,7 @@ enum dg_co_abort dg_co_sdo_send(struct dg_co_node *self, uint32_t low, uint32_t 
 
     dg_store_le32(frame.data, low);
     dg_store_le32(&frame.data[4], high);
-    return send(self, &frame);
+    return send_answer(self, &frame);
 }
 
 enum dg_co_abort dg_co_sdo_send_segment(struct dg_co_node *self, uint8_t command,
@@ -111,7 +111,7 @@ enum dg_co_abort dg_co_sdo_send_segment(struct dg_co_node *self, uint8_t command
 
     frame.data[0] = command;
     memcpy(&frame.data[1], bytes, SDO_SEGMENT);
-    return send(self, &frame);
+    return send_answer(self, &frame);
 }
 
 void dg_co_sdo_abort(struct dg_co_node *self, enum dg_co_abort code)
@@ -170,7 +170,7 @@ static enum dg_co_abort refuse(struct dg_co_node *self, const uint8_t *data)
 }
 
 /* The object of a request. */
-static enum dg_co_abort find(struct dg_co_node *self, const uint8_t *data)
+static enum dg_co_abort find_object(struct dg_co_node *self, const uint8_t *data)
 {
     return dg_co_find(self->setup.device, DG_CO_KEY(dg_load_le16(&data[1]), data[3]),
                       &self->sdo.object);
@@ -204,7 +204,7 @@ static enum dg_co_abort fetch_value(struct dg_co_node *self)
 }
 
 /* What is left of a value in the 1 to 4 bytes of its length. */
-static uint32_t cut(const struct dg_co_sdo *sdo, uint32_t value)
+static uint32_t cut_value(const struct dg_co_sdo *sdo, uint32_t value)
 {
     return value & 0xFFFFFFFFu >> 8u * (4u - sdo->length);
 }
@@ -213,11 +213,11 @@ static enum dg_co_abort confirm_expedited(struct dg_co_node *self, uint32_t valu
 {
     const uint32_t unused = 4u - self->sdo.length;
 
-    return co_sdo_confirm(self, 0x43u + 4u * unused, cut(&self->sdo, value));
+    return co_sdo_confirm(self, 0x43u + 4u * unused, cut_value(&self->sdo, value));
 }
 
 /* What is in the buffer. An expedited answer cannot say that there are no bytes. */
-static enum dg_co_abort offer(struct dg_co_node *self, const uint8_t *data)
+static enum dg_co_abort offer_value(struct dg_co_node *self, const uint8_t *data)
 {
     struct dg_co_sdo *sdo = &self->sdo;
 
@@ -236,7 +236,7 @@ static enum dg_co_abort offer(struct dg_co_node *self, const uint8_t *data)
 static enum dg_co_abort upload_initiate(struct dg_co_node *self, const uint8_t *data)
 {
     struct dg_co_sdo *sdo = &self->sdo;
-    enum dg_co_abort abort = find(self, data);
+    enum dg_co_abort abort = find_object(self, data);
 
     if (abort != DG_CO_OK) {
         return abort;
@@ -247,7 +247,7 @@ static enum dg_co_abort upload_initiate(struct dg_co_node *self, const uint8_t *
     sdo->length = co_size(&sdo->object);
     if (sdo->length == 0) {
         fetch_text(sdo, self->setup.device->strings[sdo->object.row->initial]);
-        return offer(self, data);
+        return offer_value(self, data);
     }
     abort = fetch_value(self);
     if (abort != DG_CO_OK) {
@@ -256,8 +256,8 @@ static enum dg_co_abort upload_initiate(struct dg_co_node *self, const uint8_t *
     if ((data[0] & BLOCK) == 0) {
         return confirm_expedited(self, sdo->value);
     }
-    dg_store_le64(sdo->buffer, cut(sdo, sdo->value));
-    return offer(self, data);
+    dg_store_le64(sdo->buffer, cut_value(sdo, sdo->value));
+    return offer_value(self, data);
 }
 
 /* A client of blocks may want short data without their protocol. */
@@ -305,7 +305,7 @@ enum dg_co_abort dg_co_sdo_open(struct dg_co_node *self, const uint8_t *data, bo
                                 uint32_t size)
 {
     struct dg_co_sdo *sdo = &self->sdo;
-    enum dg_co_abort abort = find(self, data);
+    enum dg_co_abort abort = find_object(self, data);
 
     if (abort != DG_CO_OK) {
         return abort;
@@ -377,7 +377,7 @@ static enum dg_co_abort download_segment(struct dg_co_node *self, const uint8_t 
 
 /* ---- frames and time */
 
-static const struct command *find_command(enum dg_co_sdo_state state, uint8_t byte)
+static const struct command *find_request(enum dg_co_sdo_state state, uint8_t byte)
 {
     const struct command *command = &commands[byte >> 5];
 
@@ -395,7 +395,7 @@ void dg_co_sdo_start(struct dg_co_node *self)
 enum dg_co_abort dg_co_sdo_rx(struct dg_co_node *self, const uint8_t *data)
 {
     struct dg_co_sdo *sdo = &self->sdo;
-    const struct command *command = find_command(sdo->state, data[0]);
+    const struct command *command = find_request(sdo->state, data[0]);
 
     /* An abort carries the multiplexor of the transfer; without one, that of the request. */
     if ((command->states & BEGINS) != 0 || sdo->state == DG_CO_SDO_IDLE) {

@@ -55,7 +55,7 @@ static bool accessible(const struct dg_co_node *self)
 }
 
 /* A region that is in order; `to` keeps its content otherwise. */
-static bool load(struct dg_co_node *self, uint8_t region, uint8_t *to)
+static bool load_region(struct dg_co_node *self, uint8_t region, uint8_t *to)
 {
     uint16_t size = self->setup.device->layout->regions[region].size;
 
@@ -72,7 +72,7 @@ static bool bus_valid(const struct dg_co_node *self, const uint8_t *bus)
 }
 
 /* As delivered. */
-static void default_bus(const struct dg_co_node *self, uint8_t *bus)
+static void load_default_bus(const struct dg_co_node *self, uint8_t *bus)
 {
     self->setup.device->layout->regions[DG_CO_REGION_BUS].defaults(&self->serial, bus);
 }
@@ -107,18 +107,18 @@ int dg_co_burn_node_id(const struct dg_co_device *device, struct dg_nvm nvm, uin
 }
 
 /* `bus` are the bus parameters, or their defaults. */
-static int mount(struct dg_co_node *self, uint8_t *bus)
+static int mount_store(struct dg_co_node *self, uint8_t *bus)
 {
     int result = DG_ERR_IO;
 
-    default_bus(self, bus);
+    load_default_bus(self, bus);
     if (self->setup.world->eeprom_acknowledges) {
         result = dg_co_mount(&self->store, self->setup.device, self->setup.nvm);
     }
     self->mounted = result == DG_OK;
-    if (load(self, DG_CO_REGION_BUS, bus) && !bus_valid(self, bus)) {
+    if (load_region(self, DG_CO_REGION_BUS, bus) && !bus_valid(self, bus)) {
         self->store.damaged |= 1u << DG_CO_REGION_BUS; /* as if its sum had failed */
-        default_bus(self, bus);
+        load_default_bus(self, bus);
     }
     return result;
 }
@@ -127,9 +127,9 @@ int dg_co_mount_node(struct dg_co_node *self)
 {
     uint8_t bus[3];
     uint8_t serial[4] = {0};
-    int result = mount(self, bus);
+    int result = mount_store(self, bus);
 
-    (void)load(self, DG_CO_REGION_SERIAL, serial);
+    (void)load_region(self, DG_CO_REGION_SERIAL, serial);
     self->lss.bit_rate = bus[0];
     self->lss.node_id = bus[1];
     self->termination = bus[2];
@@ -141,7 +141,7 @@ void dg_co_remount(struct dg_co_node *self)
 {
     uint8_t bus[3];
 
-    (void)mount(self, bus);
+    (void)mount_store(self, bus);
 }
 
 /* The node-ID that the memory holds, whatever is in force. */
@@ -149,8 +149,8 @@ static uint8_t stored_node_id(struct dg_co_node *self)
 {
     uint8_t bus[3];
 
-    default_bus(self, bus);
-    (void)load(self, DG_CO_REGION_BUS, bus);
+    load_default_bus(self, bus);
+    (void)load_region(self, DG_CO_REGION_BUS, bus);
     return bus[1];
 }
 
@@ -166,7 +166,7 @@ static bool is_default(uint32_t cob_id, uint32_t initial)
     return ((cob_id ^ initial) & CO_COB_CAN_ID) == 0;
 }
 
-static uint32_t mark(uint32_t cob_id, uint32_t initial)
+static uint32_t mark_default(uint32_t cob_id, uint32_t initial)
 {
     return is_default(cob_id, initial) ? cob_id | FOLLOWS : cob_id;
 }
@@ -188,11 +188,11 @@ static void mark_region(struct dg_co_node *self, uint8_t n, uint8_t node_id)
     const uint16_t size = self->setup.device->layout->regions[region].size;
     uint8_t bytes[DG_STORE_CHECKED_MAX];
 
-    if (!load(self, region, bytes)) {
+    if (!load_region(self, region, bytes)) {
         return;
     }
     uint32_t stored = dg_load_le32(bytes);
-    uint32_t marked = mark(stored, co_predefined(n, node_id));
+    uint32_t marked = mark_default(stored, co_predefined(n, node_id));
     if (marked != stored && (stored & RESERVED) == 0) {
         dg_store_le32(bytes, marked);
         (void)dg_store_stage(&self->store, region, 0, bytes, size);
@@ -246,7 +246,7 @@ static void pack_row(struct dg_co_node *self, const struct dg_co_object *object,
     uint32_t value = self->value[object->slot];
 
     if (co_is(object, DG_CO_ID)) {
-        value = mark(value, dg_co_initial(self, object));
+        value = mark_default(value, dg_co_initial(self, object));
     }
     dg_store_le32(&pack->bytes[pack->at], value);
 }
@@ -275,7 +275,7 @@ bool dg_co_load(struct dg_co_node *self, uint16_t first, uint16_t last)
     struct pack pack = {.first = first, .last = last, .valid = true};
     uint32_t termination = last < 0x2000 ? self->value[DG_CO_SLOT_TERMINATION] : self->termination;
     uint8_t saved = 0;
-    bool loaded = load(self, DG_CO_REGION_SAVED, &saved);
+    bool loaded = load_region(self, DG_CO_REGION_SAVED, &saved);
 
     set_defaults(self, first, last);
     self->value[DG_CO_SLOT_BIT_RATE] = self->bit_rate;
@@ -290,7 +290,7 @@ bool dg_co_load(struct dg_co_node *self, uint16_t first, uint16_t last)
         if (!is_parameters(i)) {
             continue;
         }
-        if (load(self, i, pack.bytes)) {
+        if (load_region(self, i, pack.bytes)) {
             each_kept(self, &pack, unpack_row);
         } else {
             loaded = false;

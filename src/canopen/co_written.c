@@ -14,11 +14,6 @@ _Static_assert((int)DG_CO_VALUE_TPDO2_MAPPED == (int)CO_TPDO(1, CO_PDO_MAPPED),
 _Static_assert((int)DG_CO_VALUE_TPDO4_ENTRY_8 == (int)CO_TPDO(4, 0) - 1, "names of the same slots");
 _Static_assert(DG_CO_VALUE_BUS_NODE_ID == DG_CO_SLOT_NODE_ID, "names of the same slots");
 
-static const struct dg_co_file *file_of(const struct dg_co_node *node)
-{
-    return (const struct dg_co_file *)(const void *)node->setup.device;
-}
-
 /* The base has one row for all parts of a memory. */
 static uint32_t base_key(const struct dg_co_object *object)
 {
@@ -32,7 +27,7 @@ static enum dg_co_abort hook_base(struct dg_co_node *node, const struct dg_co_ob
 {
     struct dg_co_object base;
 
-    if (dg_co_find(file_of(node)->base, base_key(object), &base) != DG_CO_OK) {
+    if (dg_co_find(co_file_of(node)->base, base_key(object), &base) != DG_CO_OK) {
         return DG_CO_NO_OBJECT;
     }
     return co_hook(&base)(node, object, op, value);
@@ -65,10 +60,10 @@ enum dg_co_row_hook dg_co_row_hook_of(const struct dg_co_file *self, uint16_t n)
 
 void dg_co_sample_file(struct dg_co_node *node)
 {
-    file_of(node)->base->sample(node);
+    co_file_of(node)->base->sample(node);
 }
 
 dg_ns dg_co_step_file(struct dg_co_node *node)
 {
-    return file_of(node)->base->step(node);
+    return co_file_of(node)->base->step(node);
 }

@@ -148,7 +148,7 @@ static const struct {
 /* clang-format on */
 #define COMMAND_COUNT DG_COUNT(commands)
 
-static const char *act(struct dg_slcan *self, struct dg_slcan_event *event)
+static const char *run_command(struct dg_slcan *self, struct dg_slcan_event *event)
 {
     for (size_t i = 0; i < COMMAND_COUNT; i++) {
         if (commands[i].letter == self->line[0] && (commands[i].states >> self->state & 1u) != 0) {
@@ -159,7 +159,7 @@ static const char *act(struct dg_slcan *self, struct dg_slcan_event *event)
 }
 
 /* An empty line is how a master makes sure that its next one is read from the start. */
-static const char *answer(struct dg_slcan *self, struct dg_slcan_event *event)
+static const char *answer_line(struct dg_slcan *self, struct dg_slcan_event *event)
 {
     if (self->overlong) {
         return BEL;
@@ -167,7 +167,7 @@ static const char *answer(struct dg_slcan *self, struct dg_slcan_event *event)
     if (self->length == 0) {
         return OK;
     }
-    const char *reply = act(self, event);
+    const char *reply = run_command(self, event);
     return reply == NULL ? BEL : reply;
 }
 
@@ -181,7 +181,7 @@ bool dg_slcan_feed(struct dg_slcan *self, uint8_t byte, struct dg_slcan_event *e
         return false;
     }
     *event = (struct dg_slcan_event){.has_frame = false};
-    event->reply = answer(self, event);
+    event->reply = answer_line(self, event);
     dg_slcan_resync(self);
     return true;
 }
@@ -193,7 +193,7 @@ void dg_slcan_resync(struct dg_slcan *self)
 }
 
 /* The last `n` hexadecimal digits of a value; returns where the next ones go. */
-static char *put_hex(char *to, uint32_t value, uint8_t n)
+static char *put_hex_digits(char *to, uint32_t value, uint8_t n)
 {
     for (uint8_t i = n; i > 0; i--) {
         to[i - 1u] = "0123456789ABCDEF"[value & 0xFu];
@@ -207,13 +207,13 @@ size_t dg_slcan_print(const struct dg_slcan *self, const struct dg_can_frame *fr
 {
     char *at = text;
     *at++ = frame->rtr ? 'r' : 't';
-    at = put_hex(at, frame->id & CAN_ID_MAX, 3);
-    at = put_hex(at, frame->dlc, 1);
+    at = put_hex_digits(at, frame->id & CAN_ID_MAX, 3);
+    at = put_hex_digits(at, frame->dlc, 1);
     for (uint8_t i = 0; !frame->rtr && i < frame->dlc && i < sizeof frame->data; i++) {
-        at = put_hex(at, frame->data[i], 2);
+        at = put_hex_digits(at, frame->data[i], 2);
     }
     if (self->stamps) {
-        at = put_hex(at, (uint32_t)(ms % STAMP_RANGE_MS), 4);
+        at = put_hex_digits(at, (uint32_t)(ms % STAMP_RANGE_MS), 4);
     }
     *at++ = '\r';
     *at = '\0';

@@ -184,24 +184,24 @@ static const struct {
 };
 /* clang-format on */
 
-static void add(const struct told *self, const char *text)
+static void add_words(const struct told *self, const char *text)
 {
     dg_text_add(&self->to->text, text);
 }
 
 static void add_number(const struct told *self, const char *before, uint32_t value)
 {
-    add(self, before);
+    add_words(self, before);
     dg_text_add_number(&self->to->text, value);
 }
 
 static void add_code(const struct told *self, const char *before, uint32_t code, unsigned digits)
 {
-    add(self, before);
+    add_words(self, before);
     dg_words_add_code(self->to, code, digits);
 }
 
-static void judge(const struct told *self, enum dg_severity severity)
+static void judge_frame(const struct told *self, enum dg_severity severity)
 {
     dg_words_judge(self->to, severity);
 }
@@ -223,7 +223,7 @@ static void add_object(const struct told *self)
     const uint8_t *data = self->frame->data;
 
     add_code(self, " ", dg_load_le16(data + 1), 4);
-    add(self, ":");
+    add_words(self, ":");
     dg_text_add_hex(&self->to->text, data[3], 2);
 }
 
@@ -238,9 +238,9 @@ static void add_value(const struct told *self)
         add_code(self, " = ", value, sized ? 2u * (4u - (data[0] >> 2 & 3u)) : 8u);
     } else if (sized) {
         add_number(self, ", ", value);
-        add(self, " bytes");
+        add_words(self, " bytes");
     } else {
-        add(self, ", in segments");
+        add_words(self, ", in segments");
     }
 }
 
@@ -249,7 +249,7 @@ static void add_segment(const struct told *self)
     const uint8_t *data = self->frame->data;
     const size_t unused = data[0] >> 1 & 7u;
 
-    add(self, (data[0] & SEGMENT_END) != 0 ? ", the last" : "");
+    add_words(self, (data[0] & SEGMENT_END) != 0 ? ", the last" : "");
     dg_words_add_bytes(self->to, ":", data + 1, 7u - unused);
 }
 
@@ -258,11 +258,11 @@ static void add_abort(const struct told *self)
     const uint32_t code = dg_load_le32(self->frame->data + 4);
 
     self->to->clause = "CiA 301 7.2.4.3.17";
-    judge(self, DG_SEVERITY_ERROR);
+    judge_frame(self, DG_SEVERITY_ERROR);
     add_object(self);
     add_code(self, ": ", code, 8);
-    add(self, " ");
-    add(self, abort_text(code));
+    add_words(self, " ");
+    add_words(self, abort_text(code));
 }
 
 static void add_content(const struct told *self, enum content content)
@@ -320,7 +320,7 @@ static void add_block_segment(const struct told *self)
     const uint8_t *data = self->frame->data;
 
     add_number(self, "block segment ", data[0] & (uint8_t)~LAST);
-    add(self, (data[0] & LAST) != 0 ? ", the last" : "");
+    add_words(self, (data[0] & LAST) != 0 ? ", the last" : "");
     dg_words_add_bytes(self->to, ":", data + 1, sizeof self->frame->data - 1u);
 }
 
@@ -339,25 +339,25 @@ static void add_sdo(const struct told *self, bool reply)
         const struct sdo *row = &sdos[i];
 
         if (row->reply == reply && (data[0] & row->mask) == row->value) {
-            add(self, row->name);
+            add_words(self, row->name);
             add_content(self, row->content);
             return;
         }
     }
-    judge(self, DG_SEVERITY_WARNING);
-    add(self, "unknown service");
+    judge_frame(self, DG_SEVERITY_WARNING);
+    add_words(self, "unknown service");
     dg_words_add_bytes(self->to, ":", data, sizeof self->frame->data);
 }
 
 static void add_sdo_reply(const struct told *self)
 {
-    add(self, " -> ");
+    add_words(self, " -> ");
     add_sdo(self, true);
 }
 
 static void add_sdo_request(const struct told *self)
 {
-    add(self, " ");
+    add_words(self, " ");
     add_sdo(self, false);
 }
 
@@ -365,15 +365,15 @@ static void add_sdo_request(const struct told *self)
 
 static void add_name(const struct told *self, const struct name *names, size_t n, uint8_t code)
 {
-    add(self, " ");
+    add_words(self, " ");
     for (size_t i = 0; i < n; i++) {
         if (names[i].code == code) {
-            judge(self, (enum dg_severity)names[i].severity);
-            add(self, names[i].name);
+            judge_frame(self, (enum dg_severity)names[i].severity);
+            add_words(self, names[i].name);
             return;
         }
     }
-    judge(self, DG_SEVERITY_WARNING);
+    judge_frame(self, DG_SEVERITY_WARNING);
     add_code(self, "", code, 2);
 }
 
@@ -383,7 +383,7 @@ static void add_nmt(const struct told *self)
 
     add_name(self, nmt_commands, DG_COUNT(nmt_commands), data[0]);
     if (data[1] == 0) {
-        add(self, " all nodes");
+        add_words(self, " all nodes");
     } else {
         add_number(self, " node ", data[1]);
     }
@@ -410,7 +410,7 @@ static void add_emcy(const struct told *self)
     const uint8_t *data = self->frame->data;
     const uint16_t code = dg_load_le16(data);
 
-    judge(self, code == 0 ? DG_SEVERITY_NOTICE : DG_SEVERITY_ERROR);
+    judge_frame(self, code == 0 ? DG_SEVERITY_NOTICE : DG_SEVERITY_ERROR);
     add_code(self, " ", code, 4);
     add_code(self, code == 0 ? " no error, register " : " register ", data[2], 2);
     dg_words_add_bytes(self->to, ":", data + EMCY_MANUFACTURER,
@@ -427,7 +427,7 @@ static void add_heartbeat(const struct told *self)
     const uint8_t state = self->frame->data[0];
 
     add_name(self, nmt_states, DG_COUNT(nmt_states), (uint8_t)(state & ~TOGGLE));
-    add(self, (state & TOGGLE) != 0 ? ", toggle" : "");
+    add_words(self, (state & TOGGLE) != 0 ? ", toggle" : "");
 }
 
 static void judge_lss(const struct told *self, const struct lss *row, bool reply)
@@ -435,7 +435,7 @@ static void judge_lss(const struct told *self, const struct lss *row, bool reply
     const bool failed = reply && row->reply > 0 && self->frame->data[1] != 0;
 
     if (row->changes) {
-        judge(self, failed ? DG_SEVERITY_ERROR : DG_SEVERITY_NOTICE);
+        judge_frame(self, failed ? DG_SEVERITY_ERROR : DG_SEVERITY_NOTICE);
     }
 }
 
@@ -450,21 +450,21 @@ static void add_lss(const struct told *self, bool reply)
             const uint8_t bytes = reply ? row->reply : row->request;
 
             judge_lss(self, row, reply);
-            add(self, " ");
-            add(self, row->name);
+            add_words(self, " ");
+            add_words(self, row->name);
             if (bytes > 0) {
                 add_code(self, " ", dg_load_le32(data + 1), 2u * bytes);
             }
             return;
         }
     }
-    judge(self, DG_SEVERITY_WARNING);
+    judge_frame(self, DG_SEVERITY_WARNING);
     dg_words_add_bytes(self->to, ":", data, self->frame->dlc);
 }
 
 static void add_lss_reply(const struct told *self)
 {
-    add(self, " ->");
+    add_words(self, " ->");
     add_lss(self, true);
 }
 
@@ -521,7 +521,7 @@ static void add_head(const struct told *self, const struct service *row)
     if (row == NULL) {
         add_code(self, "id ", self->frame->id, 3);
     } else {
-        add(self, row->name);
+        add_words(self, row->name);
     }
     if (self->node > 0) {
         add_number(self, " node ", self->node);
@@ -538,12 +538,12 @@ static void add_frame(const struct told *self)
     add_head(&told, row);
     told.to->clause = row == NULL ? NULL : row->clause;
     if (frame->rtr) {
-        add(&told, " requested");
+        add_words(&told, " requested");
     } else if (row != NULL && frame->dlc >= row->least) {
         row->add(&told);
     } else {
-        judge(&told, row == NULL ? DG_SEVERITY_OK : DG_SEVERITY_ERROR);
-        add(&told, row == NULL ? "" : ", too short");
+        judge_frame(&told, row == NULL ? DG_SEVERITY_OK : DG_SEVERITY_ERROR);
+        add_words(&told, row == NULL ? "" : ", too short");
         dg_words_add_bytes(told.to, ":", frame->data, frame->dlc);
     }
 }

@@ -20,7 +20,7 @@
 #define TURN_BITS 32u
 #define WINDOW_MAX_MS 1000u
 
-static const struct dg_cia406_file *file_of(const struct dg_co_node *node)
+static const struct dg_cia406_file *any_file_of(const struct dg_co_node *node)
 {
     return (const struct dg_cia406_file *)(const void *)node->setup.device;
 }
@@ -30,13 +30,13 @@ static const struct dg_cia406_file *file_of(const struct dg_co_node *node)
 /* 1..2^32 */
 static uint64_t range_of(const struct dg_co_node *node)
 {
-    return (uint64_t)file_of(node)->steps * file_of(node)->turns;
+    return (uint64_t)any_file_of(node)->steps * any_file_of(node)->turns;
 }
 
 /* Whole turns and what is left of the last one, each by itself: no product leaves 64 bits. */
 static uint32_t raw_at(const struct dg_co_node *node)
 {
-    const struct dg_cia406_file *file = file_of(node);
+    const struct dg_cia406_file *file = any_file_of(node);
     const dg_angle angle = dg_world_angle(node->setup.world, node->now);
     const int64_t turns = file->turns;
     const int64_t turn = angle >> TURN_BITS;
@@ -63,9 +63,9 @@ uint64_t dg_cia406_any_range(const struct dg_co_node *node)
 }
 
 /* Before the preset. */
-static uint64_t scaled(const struct dg_co_node *node)
+static uint64_t scale_sample(const struct dg_co_node *node)
 {
-    const uint32_t steps = file_of(node)->steps;
+    const uint32_t steps = any_file_of(node)->steps;
     const uint32_t wanted = node->value[SLOT_MUR];
     const bool counts = parameter(node, DG_CIA406_SCALING) && wanted != 0;
     const uint64_t raw = in_sequence(node);
@@ -78,7 +78,7 @@ static void sample(struct dg_co_node *node)
 {
     encoder_of(node)->raw = raw_at(node);
     node->value[SLOT_POSITION] =
-        (uint32_t)((scaled(node) + node->value[SLOT_OFFSET]) % dg_cia406_any_range(node));
+        (uint32_t)((scale_sample(node) + node->value[SLOT_OFFSET]) % dg_cia406_any_range(node));
 }
 
 static void use_parameters(struct dg_co_node *node)
@@ -116,7 +116,7 @@ static enum dg_co_abort hook_preset(struct dg_co_node *node, const struct dg_co_
         return DG_CO_RANGE;
     }
     encoder_of(node)->raw = raw_at(node);
-    node->value[SLOT_OFFSET] = (uint32_t)((*value + range - scaled(node)) % range);
+    node->value[SLOT_OFFSET] = (uint32_t)((*value + range - scale_sample(node)) % range);
     return DG_CO_OK;
 }
 
@@ -152,7 +152,7 @@ static enum dg_co_abort hook_speed(struct dg_co_node *node, const struct dg_co_o
     const int64_t most = INT64_C(1) << TURN_BITS;
     const int64_t moved = counts > most ? most : counts < -most ? -most : counts;
     const int64_t speed = moved * 1000 / (int64_t)window_ms; /* in 1/65536 turn a second */
-    const int64_t steps = file_of(node)->steps;
+    const int64_t steps = any_file_of(node)->steps;
     const int64_t a_second =
         speed / DG_CIA406_STEPS * steps + speed % DG_CIA406_STEPS * steps / DG_CIA406_STEPS;
     const int64_t signed_one = parameter(node, DG_CIA406_CCW) ? -a_second : a_second;

@@ -166,7 +166,7 @@ static const struct {
 };
 /* clang-format on */
 
-static void count_time(struct dg_co_node *node)
+static void count_operating_time(struct dg_co_node *node)
 {
     struct dg_cia406 *self = encoder_of(node);
     dg_ns elapsed = dg_elapsed(node->now, self->time_from);
@@ -208,7 +208,7 @@ void dg_cia406_health_look(struct dg_co_node *node)
 {
     struct dg_cia406 *self = encoder_of(node);
 
-    count_time(node);
+    count_operating_time(node);
     for (uint8_t i = 0; i < DG_COUNT(checks); i++) {
         uint8_t details[5] = {0};
         if (!checks[i].present(node)) {
@@ -271,7 +271,7 @@ enum dg_co_abort dg_cia406_hook_time(struct dg_co_node *node, const struct dg_co
 {
     (void)object;
     (void)op;
-    count_time(node);
+    count_operating_time(node);
     *value = encoder_of(node)->time_10h;
     return DG_CO_OK;
 }

@@ -60,7 +60,7 @@ static void put_leds(struct dg_cia406_leds leds, struct dg_scpi *to)
 }
 
 /* 1003h, without the manufacturer's part. */
-static void put_errors(const struct dg_co_node *node, struct dg_scpi *to)
+static void put_node_errors(const struct dg_co_node *node, struct dg_scpi *to)
 {
     bool first = true;
 
@@ -93,7 +93,7 @@ static void state(const void *self, dg_ns now, struct dg_scpi *to)
     const struct dg_co_counters *counters = &node->counters;
 
     put_leds(leds_at(device, now), to);
-    put_errors(node, to);
+    put_node_errors(node, to);
     dg_state_number(to, "frames", counters->rx);
     dg_state_number(to, "sent", counters->tx);
     dg_state_number(to, "malformed", counters->malformed);

@@ -26,18 +26,18 @@
 
 /* A range of 2^32 is 0 in 32 bits; all that is modulo a range works for it, too. No 64 bits are
  * divided: where the machine cannot, that is a routine of its own. */
-static uint32_t wrap(uint32_t value, uint32_t range)
+static uint32_t wrap_value(uint32_t value, uint32_t range)
 {
     return range != 0 ? value % range : value;
 }
 
 /* `a` + `b` and `a` - `b` modulo `range`; both are inside it. */
-static uint32_t add(uint32_t a, uint32_t b, uint32_t range)
+static uint32_t add_modulo(uint32_t a, uint32_t b, uint32_t range)
 {
     return a >= range - b ? a - (range - b) : a + b;
 }
 
-static uint32_t subtract(uint32_t a, uint32_t b, uint32_t range)
+static uint32_t subtract_modulo(uint32_t a, uint32_t b, uint32_t range)
 {
     return a >= b ? a - b : a - b + range;
 }
@@ -87,11 +87,11 @@ static uint32_t in_sequence(const struct dg_co_node *node)
 }
 
 /* Scaled, before preset and USF. */
-static uint32_t scaled(const struct dg_co_node *node)
+static uint32_t scale_raw(const struct dg_co_node *node)
 {
     uint64_t raw = in_sequence(node) & last_raw(node);
 
-    return wrap((uint32_t)(raw * mur(node) / DG_CIA406_STEPS), tmr(node));
+    return wrap_value((uint32_t)(raw * mur(node) / DG_CIA406_STEPS), tmr(node));
 }
 
 /* The short way from the internal zero, at most half the range. */
@@ -115,24 +115,24 @@ static uint64_t usf_y(const struct dg_co_node *node)
     uint32_t range = tmr(node);
     struct way way = from_zero(node);
     uint64_t far = (uint64_t)way.counts * mur(node);
-    uint32_t whole = wrap((uint32_t)(far / DG_CIA406_STEPS), range);
+    uint32_t whole = wrap_value((uint32_t)(far / DG_CIA406_STEPS), range);
     uint32_t y = (uint32_t)(zero_y / DG_CIA406_STEPS);
     uint32_t part;
 
     if (way.back != parameter(node, DG_CIA406_CCW)) {
         part = (uint32_t)(zero_y % DG_CIA406_STEPS) - (uint32_t)(far % DG_CIA406_STEPS);
-        y = subtract(y, whole, range);
-        y = part >= DG_CIA406_STEPS ? subtract(y, 1, range) : y;
+        y = subtract_modulo(y, whole, range);
+        y = part >= DG_CIA406_STEPS ? subtract_modulo(y, 1, range) : y;
     } else {
         part = (uint32_t)(zero_y % DG_CIA406_STEPS) + (uint32_t)(far % DG_CIA406_STEPS);
-        y = add(y, whole, range);
-        y = part >= DG_CIA406_STEPS ? add(y, 1, range) : y;
+        y = add_modulo(y, whole, range);
+        y = part >= DG_CIA406_STEPS ? add_modulo(y, 1, range) : y;
     }
     return (uint64_t)y * DG_CIA406_STEPS + part % DG_CIA406_STEPS;
 }
 
 /* Unscaled the range is a power of two. */
-static uint32_t position(const struct dg_co_node *node)
+static uint32_t scaled_position_of(const struct dg_co_node *node)
 {
     if (!parameter(node, DG_CIA406_USF | DG_CIA406_SCALING)) {
         return (in_sequence(node) + node->value[SLOT_OFFSET]) & last_raw(node);
@@ -140,14 +140,14 @@ static uint32_t position(const struct dg_co_node *node)
     if (parameter(node, DG_CIA406_USF)) {
         return (uint32_t)(usf_y(node) / DG_CIA406_STEPS);
     }
-    return add(scaled(node), wrap(node->value[SLOT_OFFSET], tmr(node)), tmr(node));
+    return add_modulo(scale_raw(node), wrap_value(node->value[SLOT_OFFSET], tmr(node)), tmr(node));
 }
 
 /* In 1/65536 unit: only USF knows parts of units. */
 static uint64_t position_y(const struct dg_co_node *node)
 {
     return parameter(node, DG_CIA406_USF) ? usf_y(node)
-                                          : (uint64_t)position(node) * DG_CIA406_STEPS;
+                                          : (uint64_t)scaled_position_of(node) * DG_CIA406_STEPS;
 }
 
 /* Bits 0-2 of area 1, 3-5 of area 2: outside, above, below. Crossed limits: never inside. */
@@ -167,7 +167,7 @@ static uint8_t areas(const struct dg_co_node *node, uint32_t at)
 void dg_cia406_sample(struct dg_co_node *node)
 {
     sample_raw(node);
-    node->value[SLOT_POSITION] = position(node);
+    node->value[SLOT_POSITION] = scaled_position_of(node);
 }
 
 uint32_t dg_cia406_position(const struct dg_co_node *node, dg_ns now)
@@ -265,7 +265,7 @@ void dg_cia406_restore_zero(struct dg_co_node *node)
 }
 
 /* What 6000h-6002h may be together (chapters 22 and 26, C26). */
-static enum dg_co_abort allowed(const struct dg_co_node *node, const uint32_t *wanted)
+static enum dg_co_abort check_scaling(const struct dg_co_node *node, const uint32_t *wanted)
 {
     uint32_t parameters = wanted[0];
     uint64_t turns = encoder_of(node)->model->turns;
@@ -308,13 +308,13 @@ enum dg_co_abort dg_cia406_hook_scaling(struct dg_co_node *node, const struct dg
         wanted[object->slot - SLOT_PARAMETERS] = *value;
         sample_raw(node);
         encoder_of(node)->y = position_y(node);
-        return allowed(node, wanted);
+        return check_scaling(node, wanted);
     }
     if (op == DG_CO_WRITTEN) {
         uint64_t y = encoder_of(node)->y;
-        node->value[SLOT_OFFSET] = wrap(node->value[SLOT_OFFSET], tmr(node));
+        node->value[SLOT_OFFSET] = wrap_value(node->value[SLOT_OFFSET], tmr(node));
         if (parameter(node, DG_CIA406_USF)) {
-            uint64_t whole = wrap((uint32_t)(y / DG_CIA406_STEPS), tmr(node));
+            uint64_t whole = wrap_value((uint32_t)(y / DG_CIA406_STEPS), tmr(node));
             (void)move_zero(node, whole * DG_CIA406_STEPS + y % DG_CIA406_STEPS);
             encoder_of(node)->rest = DG_CIA406_AWAKE;
             encoder_of(node)->look_at = node->now; /* from now on at the pace of USF */
@@ -350,7 +350,7 @@ enum dg_co_abort dg_cia406_hook_preset(struct dg_co_node *node, const struct dg_
         }
         dg_co_clear(node, CAUSE_USF_LOST);
     }
-    node->value[SLOT_OFFSET] = subtract(*value, scaled(node), tmr(node));
+    node->value[SLOT_OFFSET] = subtract_modulo(*value, scale_raw(node), tmr(node));
     return DG_CO_OK;
 }
 
@@ -363,7 +363,8 @@ enum dg_co_abort dg_cia406_hook_offset(struct dg_co_node *node, const struct dg_
 
     (void)object;
     if (op == DG_CO_READ) {
-        *value = preset - subtract(wrap(preset, range), wrap(*value, range), range);
+        *value =
+            preset - subtract_modulo(wrap_value(preset, range), wrap_value(*value, range), range);
     }
     return DG_CO_OK;
 }

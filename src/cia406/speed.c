@@ -9,14 +9,14 @@
 #define RPM_MAX_MULTITURN 15000
 #define MOVED_MAX ((int64_t)1 << 32)
 
-static int64_t saturate(int64_t value, int64_t limit)
+static int64_t saturate_speed(int64_t value, int64_t limit)
 {
     return value > limit ? limit : value < -limit ? -limit : value;
 }
 
 /* To nearest, so that a constant speed reads constant (C34), and at most INT16_MAX, as all that is
  * shown: fifteen bits by subtraction, as no 64 bits are divided where the machine cannot. */
-static int32_t divide(int64_t figure, uint64_t divisor)
+static int32_t divide_rounded(int64_t figure, uint64_t divisor)
 {
     uint64_t rest = (figure < 0 ? 0u - (uint64_t)figure : (uint64_t)figure) + divisor / 2u;
     int32_t quotient = 0;
@@ -38,14 +38,14 @@ static int64_t moved(const struct dg_co_node *node, uint32_t windows)
     dg_ns end = dg_elapsed(node->now, window * windows);
     int64_t counts = dg_cia406_counts(node, end) - dg_cia406_counts(node, dg_elapsed(end, window));
 
-    counts = saturate(counts, MOVED_MAX);
+    counts = saturate_speed(counts, MOVED_MAX);
     return parameter(node, DG_CIA406_CCW) ? -counts : counts;
 }
 
 int32_t dg_cia406_rpm(const struct dg_co_node *node)
 {
-    return divide(moved(node, 0) * 60000,
-                  (uint64_t)DG_CIA406_STEPS * node->value[SLOT_SPEED_WINDOW_MS]);
+    return divide_rounded(moved(node, 0) * 60000,
+                          (uint64_t)DG_CIA406_STEPS * node->value[SLOT_SPEED_WINDOW_MS]);
 }
 
 enum dg_co_abort dg_cia406_hook_speed(struct dg_co_node *node, const struct dg_co_object *object,
@@ -57,11 +57,11 @@ enum dg_co_abort dg_cia406_hook_speed(struct dg_co_node *node, const struct dg_c
     (void)op;
     if (parameter(node, DG_CIA406_UNITS_PER_S)) {
         uint32_t divisor = node->value[SLOT_SPEED_WINDOW_MS] * node->value[SLOT_SPEED_DIVISOR];
-        *value =
-            (uint32_t)divide(moved(node, 0) * 1000 * node->value[SLOT_SPEED_MULTIPLIER], divisor);
+        *value = (uint32_t)divide_rounded(
+            moved(node, 0) * 1000 * node->value[SLOT_SPEED_MULTIPLIER], divisor);
     } else {
-        *value = (uint32_t)saturate(dg_cia406_rpm(node),
-                                    multiturn ? RPM_MAX_MULTITURN : RPM_MAX_SINGLETURN);
+        *value = (uint32_t)saturate_speed(dg_cia406_rpm(node),
+                                          multiturn ? RPM_MAX_MULTITURN : RPM_MAX_SINGLETURN);
     }
     return DG_CO_OK;
 }
@@ -82,6 +82,6 @@ enum dg_co_abort dg_cia406_hook_acceleration(struct dg_co_node *node,
         change *= 60;
         divisor *= DG_CIA406_STEPS;
     }
-    *value = (uint32_t)divide(change, divisor);
+    *value = (uint32_t)divide_rounded(change, divisor);
     return DG_CO_OK;
 }

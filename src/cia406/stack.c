@@ -7,7 +7,8 @@
 
 _Static_assert(_Alignof(struct dg_cia406_device) <= _Alignof(max_align_t), "as stack.h promises");
 
-static struct dg_co_setup own(struct dg_cia406_device *self, const struct dg_stack_setup *setup)
+static struct dg_co_setup co_setup_of(struct dg_cia406_device *self,
+                                      const struct dg_stack_setup *setup)
 {
     const struct dg_cia406_model *model = setup->model;
 
@@ -71,7 +72,7 @@ static int init(void *self, const struct dg_stack_setup *setup)
     if (result != DG_OK) {
         return result;
     }
-    const struct dg_co_setup mine = own(device, setup);
+    const struct dg_co_setup mine = co_setup_of(device, setup);
     return dg_co_init(&device->node, &mine);
 }
 
@@ -81,7 +82,7 @@ static void attach(void *self, const struct dg_stack_setup *setup)
 
     device->encoder.model = setup != NULL ? setup->model : NULL;
     if (setup != NULL) {
-        const struct dg_co_setup mine = own(device, setup);
+        const struct dg_co_setup mine = co_setup_of(device, setup);
         dg_co_attach(&device->node, &mine);
     } else {
         dg_co_attach(&device->node, NULL);

@@ -11,18 +11,18 @@
 
 static const struct dg_scpi_range times = {DG_SCPI_TIME, 0, 0, (int64_t)TIME_MAX};
 
-static const struct dg_quantity *row_of(const struct dg_scpi *self)
+static const struct dg_quantity *quantity_of(const struct dg_scpi *self)
 {
     return &dg_quantities[self->command->argument];
 }
 
 /* ONCE or LOOP, LINear or STEP: behind all else, each at most once, in any order. */
-static bool take_words(struct dg_scpi *self, struct dg_rig_course_wish *wish)
+static bool take_course_words(struct dg_scpi *self, struct dg_rig_course_wish *wish)
 {
     static const char *const words[] = {"ONCE", "LOOP", "LINear", "STEP"};
     size_t word;
 
-    wish->steps = row_of(self)->unit == DG_UNIT_STATE;
+    wish->steps = quantity_of(self)->unit == DG_UNIT_STATE;
     while (dg_scpi_more(self)) {
         if (!dg_scpi_word(self, words, DG_COUNT(words), &word) ||
             !dg_scpi_close(self, DG_SCPI_SYNTAX)) {
@@ -48,7 +48,7 @@ static bool followed(struct dg_scpi *self, int code, const char *detail)
 }
 
 /* The session has the same encoder selected as long as the command lasts. */
-static bool read_on(struct dg_scpi *self, bool gone)
+static bool read_course_on(struct dg_scpi *self, bool gone)
 {
     struct dg_rig *rig = dg_control_rig_of(self);
     char detail[CONTROL_DETAIL_SIZE] = "";
@@ -57,7 +57,7 @@ static bool read_on(struct dg_scpi *self, bool gone)
     return gone || followed(self, code, detail);
 }
 
-static void follow(struct dg_scpi *self, const struct dg_rig_course_wish *wish)
+static void start_course(struct dg_scpi *self, const struct dg_rig_course_wish *wish)
 {
     struct dg_rig *rig = dg_control_rig_of(self);
     char detail[CONTROL_DETAIL_SIZE] = "";
@@ -67,7 +67,7 @@ static void follow(struct dg_scpi *self, const struct dg_rig_course_wish *wish)
     }
     const int code = rig->ops->course(rig, dg_control_selected(self), wish, self->now, detail);
     if (!followed(self, code, detail)) {
-        dg_scpi_hold(self, read_on);
+        dg_scpi_hold(self, read_course_on);
     }
 }
 
@@ -76,14 +76,14 @@ void dg_control_follow(struct dg_scpi *self)
     char path[DG_SCPI_LINE_MAX + 1u];
     struct dg_rig_course_wish wish = {.quantity = self->command->argument, .path = path};
 
-    if (dg_scpi_text(self, path, sizeof path) && take_words(self, &wish)) {
-        follow(self, &wish);
+    if (dg_scpi_text(self, path, sizeof path) && take_course_words(self, &wish)) {
+        start_course(self, &wish);
     }
 }
 
-static bool take_value(struct dg_scpi *self, int32_t *to)
+static bool take_course_value(struct dg_scpi *self, int32_t *to)
 {
-    const struct dg_quantity *row = row_of(self);
+    const struct dg_quantity *row = quantity_of(self);
     const struct dg_scpi_range range = dg_control_range(row);
     const bool state = row->unit == DG_UNIT_STATE;
     int64_t value = 0;
@@ -104,7 +104,7 @@ static bool take_point(struct dg_scpi *self, struct dg_course_point *to)
         return false;
     }
     to->at = (dg_ns)at;
-    return take_value(self, &to->value);
+    return take_course_value(self, &to->value);
 }
 
 /* @return how many; 0: an error was raised */
@@ -131,7 +131,7 @@ void dg_control_follow_points(struct dg_scpi *self)
     struct dg_rig_course_wish wish = {.quantity = self->command->argument, .points = points};
 
     wish.count = take_points(self, points);
-    if (wish.count == 0 || !take_words(self, &wish)) {
+    if (wish.count == 0 || !take_course_words(self, &wish)) {
         return;
     }
     const struct dg_course course = {.points = points, .count = wish.count, .loop = wish.loop};
@@ -139,7 +139,7 @@ void dg_control_follow_points(struct dg_scpi *self)
         dg_scpi_raise(self, DG_SCPI_ILLEGAL, "times go on; a loop has one above 0");
         return;
     }
-    follow(self, &wish);
+    start_course(self, &wish);
 }
 
 void dg_control_followed(struct dg_scpi *self)

@@ -202,7 +202,7 @@ static bool take_region(struct dg_scpi *self, const struct dg_store_layout *layo
     return false;
 }
 
-static bool has_memory(struct dg_scpi *self, const struct dg_fault_target *target)
+static bool has_fault_memory(struct dg_scpi *self, const struct dg_fault_target *target)
 {
     if (target->layout == NULL) {
         dg_control_refuse(self, DG_SCPI_MISSING_HARDWARE, "it has no EEPROM");
@@ -244,7 +244,8 @@ void dg_control_data(struct dg_scpi *self)
     int64_t at;
     int64_t count;
 
-    if (!has_memory(self, &target) || !take_part(self, dg_store_size(target.layout), &at, &count)) {
+    if (!has_fault_memory(self, &target) ||
+        !take_part(self, dg_store_size(target.layout), &at, &count)) {
         return;
     }
     if (!answers(&target.nvm, at, count)) {
@@ -275,7 +276,7 @@ static int entry_of(const struct dg_fault_target *target, uint8_t region)
 }
 
 /* What is checked is a fault like others; the rest is damaged for good. */
-static int corrupt(struct dg_scpi *self, uint8_t region)
+static int corrupt_region(struct dg_scpi *self, uint8_t region)
 {
     const struct dg_fault_target target = target_of(self);
     struct dg_faults *faults = &dg_control_selected(self)->faults;
@@ -293,8 +294,8 @@ void dg_control_corrupt(struct dg_scpi *self)
     const struct dg_fault_target target = target_of(self);
     uint8_t region;
 
-    if (has_memory(self, &target) && take_region(self, target.layout, &region)) {
-        done(self, corrupt(self, region));
+    if (has_fault_memory(self, &target) && take_region(self, target.layout, &region)) {
+        done(self, corrupt_region(self, region));
     }
 }
 
@@ -315,7 +316,7 @@ void dg_control_erase(struct dg_scpi *self)
     const struct dg_fault_target target = target_of(self);
     struct dg_encoder *encoder = dg_control_selected(self);
 
-    if (!has_memory(self, &target)) {
+    if (!has_fault_memory(self, &target)) {
         return;
     }
     if (dg_encoder_powered(encoder)) {

@@ -24,7 +24,7 @@ static const struct dg_scpi_range accelerations = {DG_SCPI_ACCELERATION, 0, 0,
 static const struct dg_scpi_range intervals = {DG_SCPI_TIME, 0, (int64_t)RECORD_MIN,
                                                (int64_t)RECORD_MAX};
 
-static struct dg_rig_shaft *shaft_of(const struct dg_scpi *self)
+static struct dg_rig_shaft *selected_shaft_of(const struct dg_scpi *self)
 {
     return dg_control_selected(self)->shaft;
 }
@@ -33,7 +33,7 @@ static struct dg_rig_shaft *shaft_of(const struct dg_scpi *self)
 static struct dg_rig_shaft *shaft_to_turn(const struct dg_scpi *self)
 {
     struct dg_rig *rig = dg_control_rig_of(self);
-    struct dg_rig_shaft *shaft = shaft_of(self);
+    struct dg_rig_shaft *shaft = selected_shaft_of(self);
 
     if (rig->ops->turns != NULL) {
         rig->ops->turns(rig, shaft, self->now);
@@ -42,14 +42,14 @@ static struct dg_rig_shaft *shaft_to_turn(const struct dg_scpi *self)
 }
 
 /* What a command to the shaft gave. */
-static void turned(struct dg_scpi *self, int result)
+static void report_shaft(struct dg_scpi *self, int result)
 {
     struct dg_rig *rig = dg_control_rig_of(self);
 
     if (result != DG_OK) {
         dg_scpi_raise(self, DG_SCPI_CONFLICT, "a geared shaft is turned by its driver");
     } else if (rig->ops->turned != NULL) {
-        rig->ops->turned(rig, shaft_of(self), self->now);
+        rig->ops->turned(rig, selected_shaft_of(self), self->now);
     } else {
         rig->ops->changed(rig, NULL, self->now);
     }
@@ -66,7 +66,7 @@ void dg_control_shafts(struct dg_scpi *self)
 
 void dg_control_shaft_name(struct dg_scpi *self)
 {
-    dg_scpi_put_string(self, shaft_of(self)->name);
+    dg_scpi_put_string(self, selected_shaft_of(self)->name);
 }
 
 void dg_control_set_position(struct dg_scpi *self)
@@ -74,13 +74,13 @@ void dg_control_set_position(struct dg_scpi *self)
     int64_t angle;
 
     if (dg_scpi_number(self, &angles, &angle)) {
-        turned(self, dg_shaft_set_position(&shaft_to_turn(self)->shaft, self->now, angle));
+        report_shaft(self, dg_shaft_set_position(&shaft_to_turn(self)->shaft, self->now, angle));
     }
 }
 
 void dg_control_position(struct dg_scpi *self)
 {
-    const dg_angle angle = dg_shaft_angle(&shaft_of(self)->shaft, self->now);
+    const dg_angle angle = dg_shaft_angle(&selected_shaft_of(self)->shaft, self->now);
 
     /* To the nearest: an angle behind a gear is rounded down to what is next to it. */
     const int64_t halves = dg_angle_counts(angle, 2u * MICRODEGREES);
@@ -93,13 +93,15 @@ void dg_control_set_velocity(struct dg_scpi *self)
     int64_t mrpm;
 
     if (dg_scpi_number(self, &speeds, &mrpm)) {
-        turned(self, dg_shaft_set_velocity(&shaft_to_turn(self)->shaft, self->now, (int32_t)mrpm));
+        report_shaft(self,
+                     dg_shaft_set_velocity(&shaft_to_turn(self)->shaft, self->now, (int32_t)mrpm));
     }
 }
 
 void dg_control_velocity(struct dg_scpi *self)
 {
-    dg_scpi_put_number(self, dg_shaft_mrpm(&shaft_of(self)->shaft, self->now), MILLI_PLACES);
+    dg_scpi_put_number(self, dg_shaft_mrpm(&selected_shaft_of(self)->shaft, self->now),
+                       MILLI_PLACES);
 }
 
 void dg_control_set_acceleration(struct dg_scpi *self)
@@ -107,18 +109,18 @@ void dg_control_set_acceleration(struct dg_scpi *self)
     int64_t mrpm_per_s;
 
     if (dg_scpi_number(self, &accelerations, &mrpm_per_s)) {
-        turned(self, dg_shaft_set_acceleration(&shaft_to_turn(self)->shaft, mrpm_per_s));
+        report_shaft(self, dg_shaft_set_acceleration(&shaft_to_turn(self)->shaft, mrpm_per_s));
     }
 }
 
 void dg_control_acceleration(struct dg_scpi *self)
 {
-    dg_scpi_put_number(self, shaft_of(self)->shaft.mrpm_per_s, MILLI_PLACES);
+    dg_scpi_put_number(self, selected_shaft_of(self)->shaft.mrpm_per_s, MILLI_PLACES);
 }
 
 void dg_control_stop(struct dg_scpi *self)
 {
-    turned(self, dg_shaft_set_velocity(&shaft_to_turn(self)->shaft, self->now, 0));
+    report_shaft(self, dg_shaft_set_velocity(&shaft_to_turn(self)->shaft, self->now, 0));
 }
 
 void dg_control_move(struct dg_scpi *self)
@@ -130,12 +132,13 @@ void dg_control_move(struct dg_scpi *self)
         (dg_scpi_more(self) && !dg_scpi_number(self, &ways, &mrpm))) {
         return;
     }
-    turned(self, dg_shaft_move(&shaft_to_turn(self)->shaft, self->now, angle, (int32_t)mrpm));
+    report_shaft(self, dg_shaft_move(&shaft_to_turn(self)->shaft, self->now, angle, (int32_t)mrpm));
 }
 
 void dg_control_moving(struct dg_scpi *self)
 {
-    dg_scpi_put_unsigned(self, dg_shaft_settled(&shaft_of(self)->shaft) > self->now ? 1 : 0);
+    dg_scpi_put_unsigned(self,
+                         dg_shaft_settled(&selected_shaft_of(self)->shaft) > self->now ? 1 : 0);
 }
 
 /* What is played never settles, and nobody waits for it. */
@@ -154,14 +157,14 @@ dg_ns dg_control_settled(struct dg_scpi *self)
 }
 
 /* What the host has said to a profile. @return whether it is through with it */
-static bool profiled(struct dg_scpi *self, int code, const char *detail)
+static bool finish_profile(struct dg_scpi *self, int code, const char *detail)
 {
     if (code == DG_RIG_READS) {
         return false;
     }
     dg_scpi_raise(self, code, detail);
     if (code == DG_SCPI_NO_ERROR) {
-        turned(self, DG_OK);
+        report_shaft(self, DG_OK);
     }
     return true;
 }
@@ -173,7 +176,7 @@ static bool read_on(struct dg_scpi *self, bool gone)
     char detail[CONTROL_DETAIL_SIZE] = "";
     const int code = rig->ops->profile_more(rig, shaft_to_turn(self), self->now, gone, detail);
 
-    return gone || profiled(self, code, detail);
+    return gone || finish_profile(self, code, detail);
 }
 
 void dg_control_set_profile(struct dg_scpi *self)
@@ -190,7 +193,7 @@ void dg_control_set_profile(struct dg_scpi *self)
         return;
     }
     const int code = rig->ops->profile(rig, shaft_to_turn(self), self->now, text, detail);
-    if (!profiled(self, code, detail)) {
+    if (!finish_profile(self, code, detail)) {
         dg_scpi_hold(self, read_on);
     }
 }
@@ -203,7 +206,7 @@ void dg_control_profile(struct dg_scpi *self)
         dg_scpi_raise(self, DG_SCPI_MISSING_HARDWARE, NULL);
         return;
     }
-    dg_scpi_put_string(self, rig->ops->profile_text(rig, shaft_of(self)));
+    dg_scpi_put_string(self, rig->ops->profile_text(rig, selected_shaft_of(self)));
 }
 
 static void record(struct dg_scpi *self, const char *path, dg_ns interval)
@@ -215,7 +218,8 @@ static void record(struct dg_scpi *self, const char *path, dg_ns interval)
         dg_scpi_raise(self, DG_SCPI_MISSING_HARDWARE, NULL);
         return;
     }
-    const int code = rig->ops->record(rig, shaft_of(self), self->now, path, interval, detail);
+    const int code =
+        rig->ops->record(rig, selected_shaft_of(self), self->now, path, interval, detail);
     dg_scpi_raise(self, code, detail);
 }
 

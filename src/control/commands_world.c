@@ -26,7 +26,7 @@ struct dg_scpi_range dg_control_range(const struct dg_quantity *row)
 }
 
 /* From now on it is what was asked for, whatever bent it, or was to. */
-static void put(struct dg_encoder *encoder, const struct dg_quantity *row, int64_t value)
+static void put_quantity(struct dg_encoder *encoder, const struct dg_quantity *row, int64_t value)
 {
     const struct dg_fault_target target = dg_encoder_target(encoder);
 
@@ -46,7 +46,7 @@ void dg_control_set_world(struct dg_scpi *self)
     if (state ? !dg_scpi_flag(self, &flag) : !dg_scpi_number(self, &range, &value)) {
         return;
     }
-    put(dg_control_selected(self), row, state ? flag : value);
+    put_quantity(dg_control_selected(self), row, state ? flag : value);
     dg_control_changed(self);
 }
 
@@ -66,7 +66,7 @@ void dg_control_heal(struct dg_scpi *self)
     dg_world_init(&healthy);
     for (size_t i = 0; i < DG_QUANTITY_COUNT; i++) {
         const struct dg_quantity *row = &dg_quantities[i];
-        put(encoder, row, dg_quantity_get(row, &healthy));
+        put_quantity(encoder, row, dg_quantity_get(row, &healthy));
     }
 }
 

@@ -36,8 +36,8 @@ static uint32_t address_of(const struct dg_fault_target *target, uint8_t region,
 }
 
 /* @param value the byte since */
-static int flip(const struct dg_fault_target *target, uint32_t address, uint8_t mask,
-                uint8_t *value)
+static int flip_bits(const struct dg_fault_target *target, uint32_t address, uint8_t mask,
+                     uint8_t *value)
 {
     const int result = read_byte(target, address, value);
 
@@ -45,7 +45,7 @@ static int flip(const struct dg_fault_target *target, uint32_t address, uint8_t 
     return result == DG_OK ? write_byte(target, address, *value) : result;
 }
 
-static uint8_t mask_of(uint32_t bit)
+static uint8_t bit_mask_of(uint32_t bit)
 {
     return (uint8_t)(1u << bit % 8u);
 }
@@ -54,16 +54,17 @@ int dg_control_flip(const struct dg_fault_target *target, uint8_t region, uint32
 {
     uint8_t value = 0;
 
-    return flip(target, address_of(target, region, bit), mask_of(bit), &value);
+    return flip_bits(target, address_of(target, region, bit), bit_mask_of(bit), &value);
 }
 
 int dg_control_damage(const struct dg_fault_target *target, uint8_t region, uint32_t bit,
                       struct dg_fault_flip *done)
 {
-    struct dg_fault_flip now = {.address = address_of(target, region, bit), .mask = mask_of(bit)};
+    struct dg_fault_flip now = {.address = address_of(target, region, bit),
+                                .mask = bit_mask_of(bit)};
 
     if (read_sum(target, region, &now.sum) != DG_OK ||
-        flip(target, now.address, now.mask, &now.value) != DG_OK) {
+        flip_bits(target, now.address, now.mask, &now.value) != DG_OK) {
         return DG_ERR_IO;
     }
     *done = now;

@@ -26,7 +26,7 @@ static bool concerns(const struct dg_fault_target *target, const struct dg_fault
 }
 
 /* Row `index` of a catalogue, or NULL: a region or nothing. */
-static const struct dg_fault_row *find_row(const struct dg_fault_target *target, size_t index)
+static const struct dg_fault_row *find_fault(const struct dg_fault_target *target, size_t index)
 {
     const struct dg_instrument *instrument = target->instrument;
 
@@ -42,7 +42,7 @@ static size_t rows_of(const struct dg_fault_target *target)
 {
     size_t n = 0;
 
-    while (find_row(target, n) != NULL) {
+    while (find_fault(target, n) != NULL) {
         n++;
     }
     return n;
@@ -92,7 +92,7 @@ static bool region_entry(const struct dg_fault_target *target, size_t n, struct 
 
 bool dg_fault_entry(const struct dg_fault_target *target, size_t index, struct dg_fault_entry *out)
 {
-    const struct dg_fault_row *row = find_row(target, index);
+    const struct dg_fault_row *row = find_fault(target, index);
 
     if (row == NULL) {
         const size_t rows = rows_of(target);
@@ -127,7 +127,7 @@ static size_t rival(const struct dg_faults *self, const struct dg_fault_target *
                     size_t offset)
 {
     for (size_t i = 0; i < DG_FAULTS_MAX; i++) {
-        const struct dg_fault_row *row = self->fault[i].active ? find_row(target, i) : NULL;
+        const struct dg_fault_row *row = self->fault[i].active ? find_fault(target, i) : NULL;
         if (row != NULL && row->kind == DG_FAULT_WORLD && row->offset == offset) {
             return i;
         }
@@ -156,8 +156,8 @@ void dg_control_put_behind(struct dg_faults *self, const struct dg_fault_target 
     }
 }
 
-static void bend(struct dg_faults *self, const struct dg_fault_target *target, size_t index,
-                 const struct dg_fault_row *row)
+static void apply_row(struct dg_faults *self, const struct dg_fault_target *target, size_t index,
+                      const struct dg_fault_row *row)
 {
     const size_t before = rival(self, target, row->offset);
 
@@ -171,8 +171,8 @@ static void bend(struct dg_faults *self, const struct dg_fault_target *target, s
     dg_quantity_set(dg_quantity_at(row->offset), target->world, row->value);
 }
 
-static void unbend(struct dg_faults *self, const struct dg_fault_target *target, size_t index,
-                   const struct dg_fault_row *row)
+static void restore_row(struct dg_faults *self, const struct dg_fault_target *target, size_t index,
+                        const struct dg_fault_row *row)
 {
     if (dg_quantity_get(dg_quantity_at(row->offset), target->world) == row->value) {
         dg_quantity_set(dg_quantity_at(row->offset), target->world, self->fault[index].healthy);
@@ -194,8 +194,8 @@ static bool limits_fit(const struct dg_fault_entry *entry, const struct dg_fault
            (single || (limits->count == 0 && limits->probability_ppm == CONTROL_PPM));
 }
 
-static int corrupt(struct dg_faults *self, const struct dg_fault_target *target, size_t index,
-                   uint8_t region)
+static int corrupt_memory(struct dg_faults *self, const struct dg_fault_target *target,
+                          size_t index, uint8_t region)
 {
     const uint32_t bits = 8u * target->layout->regions[region].size;
     /* A bit that is flipped already would only be flipped back. */
@@ -206,15 +206,15 @@ static int corrupt(struct dg_faults *self, const struct dg_fault_target *target,
                            : result;
 }
 
-static int begin(struct dg_faults *self, const struct dg_fault_target *target, size_t index,
-                 const struct dg_fault_entry *entry)
+static int begin_fault(struct dg_faults *self, const struct dg_fault_target *target, size_t index,
+                       const struct dg_fault_entry *entry)
 {
     switch (entry->kind) {
     case DG_FAULT_WORLD:
-        bend(self, target, index, entry->row);
+        apply_row(self, target, index, entry->row);
         break;
     case DG_FAULT_MEMORY:
-        return corrupt(self, target, index, entry->region);
+        return corrupt_memory(self, target, index, entry->region);
     case DG_FAULT_WIRE:
         self->wire |= 1u << entry->row->wire;
         self->slot[entry->row->wire] = (uint8_t)index;
@@ -231,7 +231,7 @@ int dg_fault_set(struct dg_faults *self, const struct dg_fault_target *target, s
     if (!dg_fault_entry(target, index, &entry) || !limits_fit(&entry, limits)) {
         return DG_ERR_ARGUMENT;
     }
-    if (begin(self, target, index, &entry) != DG_OK) {
+    if (begin_fault(self, target, index, &entry) != DG_OK) {
         return DG_ERR_IO;
     }
     struct dg_fault *fault = &self->fault[index];
@@ -256,7 +256,7 @@ int dg_fault_clear(struct dg_faults *self, const struct dg_fault_target *target,
     }
     switch (entry.kind) {
     case DG_FAULT_WORLD:
-        unbend(self, target, index, entry.row);
+        restore_row(self, target, index, entry.row);
         break;
     case DG_FAULT_MEMORY:
         if (dg_control_mend(target, entry.region, &fault->flip) != DG_OK) {
@@ -338,7 +338,7 @@ int64_t dg_fault_wire_value(const struct dg_instrument *instrument, enum dg_wire
     const struct dg_fault_target target = {.instrument = instrument};
     const struct dg_fault_row *row;
 
-    for (size_t i = 0; (row = find_row(&target, i)) != NULL; i++) {
+    for (size_t i = 0; (row = find_fault(&target, i)) != NULL; i++) {
         if (row->kind == DG_FAULT_WIRE && row->wire == fault) {
             return row->value;
         }

@@ -5,7 +5,7 @@
 #include "control_private.h"
 
 /* It may begin before there is a device, and with it a fault. */
-static void put(struct dg_encoder *encoder, size_t quantity, int32_t value)
+static void put_course_value(struct dg_encoder *encoder, size_t quantity, int32_t value)
 {
     const struct dg_quantity *row = &dg_quantities[quantity];
 
@@ -17,13 +17,13 @@ static void put(struct dg_encoder *encoder, size_t quantity, int32_t value)
     dg_control_put_behind(&encoder->faults, &target, row->offset, value);
 }
 
-static void step(struct dg_rig_course *self, struct dg_encoder *encoder, dg_ns now)
+static void step_course(struct dg_rig_course *self, struct dg_encoder *encoder, dg_ns now)
 {
     const dg_ns since = dg_elapsed(now, self->start);
     int32_t value;
 
     if (dg_course_at(&self->course, since, &value)) {
-        put(encoder, self->quantity, value);
+        put_course_value(encoder, self->quantity, value);
     }
     self->due = dg_after(self->start, dg_course_next(&self->course, since));
     if (self->due == DG_NEVER) {
@@ -41,10 +41,10 @@ int dg_rig_follow(struct dg_rig *self, struct dg_encoder *encoder, struct dg_rig
     }
     dg_control_unfollow(encoder, course->quantity);
     course->start = now;
-    course->step = step;
+    course->step = step_course;
     course->next = encoder->courses;
     encoder->courses = course;
-    step(course, encoder, now);
+    step_course(course, encoder, now);
     dg_rig_watch(self, encoder);
     return DG_OK;
 }

@@ -22,7 +22,7 @@ static uint16_t delay_clocks(dg_ns delay, dg_ns period)
     return clocks == 0 ? 1u : (uint16_t)clocks;
 }
 
-static void hold(struct dg_line_fault *self, bool level)
+static void hold_level(struct dg_line_fault *self, bool level)
 {
     const unsigned place = self->clocks % HELD;
     const unsigned bit = 1u << place % 8u;
@@ -38,7 +38,7 @@ static bool held(const struct dg_line_fault *self, unsigned clock)
     return (byte >> clock % 8u & 1u) != 0;
 }
 
-static void forget(struct dg_line_fault *self)
+static void forget_levels(struct dg_line_fault *self)
 {
     *self = (struct dg_line_fault){.frame = self->frame, .faults = self->faults};
 }
@@ -59,10 +59,10 @@ void dg_line_fault_begin(struct dg_line_fault *self)
     if (!self->active) {
         return;
     }
-    forget(self);
+    forget_levels(self);
     self->active = true;
     self->started = !self->frame.waits;
-    hold(self, !self->frame.waits);
+    hold_level(self, !self->frame.waits);
     self->cut = dg_fault_wire_active(faults, DG_WIRE_BREAK);
     self->cut = dg_fault_wire_takes(faults, DG_WIRE_DROP) || self->cut;
     self->late = dg_fault_wire_takes(faults, DG_WIRE_DELAY);
@@ -74,7 +74,7 @@ void dg_line_fault_begin(struct dg_line_fault *self)
 
 void dg_line_fault_kill(struct dg_line_fault *self)
 {
-    forget(self);
+    forget_levels(self);
     self->active = true;
     self->cut = true;
 }
@@ -84,7 +84,7 @@ void dg_line_fault_end(struct dg_line_fault *self)
     const bool cut = self->faults != NULL && dg_fault_wire_active(self->faults, DG_WIRE_BREAK);
 
     if (cut || self->active) {
-        forget(self);
+        forget_levels(self);
         self->active = cut;
         self->cut = cut;
     }
@@ -125,5 +125,5 @@ void dg_line_fault_advance(struct dg_line_fault *self, bool raw, dg_ns period)
     if (self->late && self->delay == 0 && self->clocks >= self->frame.lead) {
         self->delay = delay_clocks(self->frame.delay, period);
     }
-    hold(self, raw != flips(self));
+    hold_level(self, raw != flips(self));
 }

@@ -92,7 +92,7 @@ static dg_ns next_point(const struct dg_encoder *encoder)
 /* ------------------------------------------------------------ who waits for faults and courses */
 
 /* Two heaps become one. */
-static struct dg_encoder *join(struct dg_encoder *a, struct dg_encoder *b)
+static struct dg_encoder *join_encoders(struct dg_encoder *a, struct dg_encoder *b)
 {
     if (a == NULL || b == NULL) {
         return a == NULL ? b : a;
@@ -110,7 +110,7 @@ static struct dg_encoder *join(struct dg_encoder *a, struct dg_encoder *b)
 }
 
 /* The first of a list, alone. */
-static struct dg_encoder *pop(struct dg_encoder **list)
+static struct dg_encoder *pop_encoder(struct dg_encoder **list)
 {
     struct dg_encoder *first = *list;
 
@@ -129,13 +129,13 @@ static struct dg_encoder *join_all(struct dg_encoder *list)
     struct dg_encoder *whole = NULL;
 
     while (list != NULL) {
-        struct dg_encoder *one = pop(&list);
-        struct dg_encoder *pair = join(one, pop(&list));
+        struct dg_encoder *one = pop_encoder(&list);
+        struct dg_encoder *pair = join_encoders(one, pop_encoder(&list));
         pair->wait.next = pairs;
         pairs = pair;
     }
     while (pairs != NULL) {
-        whole = join(whole, pop(&pairs));
+        whole = join_encoders(whole, pop_encoder(&pairs));
     }
     return whole;
 }
@@ -153,7 +153,7 @@ static void take_out(struct dg_rig *self, struct dg_encoder *encoder)
         if (wait->next != NULL) {
             wait->next->wait.before = wait->before;
         }
-        self->waits = join(self->waits, children);
+        self->waits = join_encoders(self->waits, children);
     }
     *wait = (struct dg_rig_wait){.waits = false};
 }
@@ -167,7 +167,7 @@ void dg_rig_watch(struct dg_rig *self, struct dg_encoder *encoder)
     }
     if (until != DG_NEVER) {
         encoder->wait = (struct dg_rig_wait){.until = until, .waits = true};
-        self->waits = join(self->waits, encoder);
+        self->waits = join_encoders(self->waits, encoder);
     }
 }
 

@@ -82,7 +82,7 @@ static void forward(void *ctx, const char *bytes, size_t n)
 }
 
 /* A name no model has stands for several. */
-static const char *model_of(const struct dg_rig *rig)
+static const char *model_name_of(const struct dg_rig *rig)
 {
     return rig->encoder_count == 1 ? rig->encoders[0]->model->name : "rig";
 }
@@ -104,7 +104,7 @@ void dg_control_init(struct dg_control *self, struct dg_rig *rig,
     struct dg_text idn = dg_text_in(self->idn, sizeof self->idn);
 
     dg_text_add(&idn, "drehgeber,");
-    dg_text_add(&idn, model_of(rig));
+    dg_text_add(&idn, model_name_of(rig));
     dg_text_add(&idn, ",0," DG_VERSION);
     self->rig = rig;
     self->write = write;

@@ -41,7 +41,7 @@ void dg_store_be32(uint8_t *p, uint32_t value)
  * The next `n` bytes, or NULL when there are fewer. What is left is given up then, so that a
  * value after a missing one is never read from the missing one's bytes.
  */
-static const uint8_t *take(struct dg_reader *r, size_t n)
+static const uint8_t *take_bytes(struct dg_reader *r, size_t n)
 {
     const uint8_t *taken = r->at;
 
@@ -62,21 +62,21 @@ struct dg_reader dg_reader(const uint8_t *bytes, size_t n)
 
 uint8_t dg_read_u8(struct dg_reader *r)
 {
-    const uint8_t *p = take(r, 1);
+    const uint8_t *p = take_bytes(r, 1);
 
     return p != NULL ? p[0] : 0;
 }
 
 uint16_t dg_read_be16(struct dg_reader *r)
 {
-    const uint8_t *p = take(r, 2);
+    const uint8_t *p = take_bytes(r, 2);
 
     return p != NULL ? dg_load_be16(p) : 0;
 }
 
 uint32_t dg_read_be32(struct dg_reader *r)
 {
-    const uint8_t *p = take(r, 4);
+    const uint8_t *p = take_bytes(r, 4);
 
     return p != NULL ? dg_load_be32(p) : 0;
 }

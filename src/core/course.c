@@ -49,7 +49,7 @@ static size_t points_until(const struct dg_course *self, dg_ns at)
     return low;
 }
 
-static struct place place_of(const struct dg_course *self, dg_ns since)
+static struct place course_place_of(const struct dg_course *self, dg_ns since)
 {
     struct place place = {.at = since};
 
@@ -93,7 +93,7 @@ static uint32_t way_to(const struct stretch *self, dg_ns at)
 
 bool dg_course_at(const struct dg_course *self, dg_ns since, int32_t *value)
 {
-    const struct place place = place_of(self, since);
+    const struct place place = course_place_of(self, since);
 
     if (place.behind == 0) {
         if (place.lap > 0) {
@@ -125,7 +125,7 @@ static dg_ns next_unit(const struct stretch *self, dg_ns at)
 
 dg_ns dg_course_next(const struct dg_course *self, dg_ns since)
 {
-    const struct place place = place_of(self, since);
+    const struct place place = course_place_of(self, since);
 
     if (place.behind == self->count) {
         return DG_NEVER;

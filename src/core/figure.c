@@ -25,7 +25,7 @@ struct decimal {
 };
 
 /* Append a digit; false when the value would leave 64 bits. */
-static bool push(int64_t *value, int digit)
+static bool push_digit(int64_t *value, int digit)
 {
     if (*value > (INT64_MAX - digit) / 10) {
         return false;
@@ -51,7 +51,7 @@ static bool take_character(struct decimal *self, char c, unsigned places)
         return true;
     }
     self->fraction += self->point ? 1u : 0u;
-    return push(&self->value, c - '0');
+    return push_digit(&self->value, c - '0');
 }
 
 bool dg_decimal_parse(const char *text, size_t n, unsigned places, struct dg_decimal *out)
@@ -66,7 +66,7 @@ bool dg_decimal_parse(const char *text, size_t n, unsigned places, struct dg_dec
     }
     /* "1.5" with 3 places is 1500. */
     for (; number.fraction < places; number.fraction++) {
-        if (!push(&number.value, 0)) {
+        if (!push_digit(&number.value, 0)) {
             return false;
         }
     }
@@ -76,7 +76,7 @@ bool dg_decimal_parse(const char *text, size_t n, unsigned places, struct dg_dec
 }
 
 /* @return 0..15; 16: it is none */
-static unsigned digit_of(char c)
+static unsigned figure_digit_of(char c)
 {
     const char small = (char)(c | 0x20);
 
@@ -100,7 +100,7 @@ bool dg_unsigned_parse(const char *text, uint64_t *out)
     }
     uint64_t value = 0;
     for (size_t i = 0; i < n; i++) {
-        const unsigned digit = digit_of(text[i]);
+        const unsigned digit = figure_digit_of(text[i]);
         if (digit >= base || value > (UINT64_MAX - digit) / base) {
             return false;
         }

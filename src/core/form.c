@@ -29,7 +29,7 @@ static uint8_t bits_of(const struct dg_form *self, char c)
     return is_constant(c) ? 1u : 0u;
 }
 
-static uint64_t value_of(const struct dg_form *self, char c)
+static uint64_t part_value_of(const struct dg_form *self, char c)
 {
     const struct dg_form_part *part = find_part(self, c);
 
@@ -73,7 +73,7 @@ struct dg_form_word dg_form_pack(const struct dg_form *self, char end)
     for (const char *at = self->layout; *at != '\0' && *at != end; at++) {
         const uint8_t bits = bits_of(self, *at);
         word.bits = bits < WORD_BITS ? word.bits << bits : 0;
-        word.bits |= value_of(self, *at);
+        word.bits |= part_value_of(self, *at);
         word.count = (uint8_t)(word.count + bits);
     }
     return word;

@@ -6,12 +6,12 @@
 #include "drehgeber/figure.h"
 #include "drehgeber/key.h"
 
-static bool is_text(const struct dg_key *key)
+static bool is_text_key(const struct dg_key *key)
 {
     return key->type == DG_KEY_TEXT || key->type == DG_KEY_DIGITS;
 }
 
-static bool is_word(const struct dg_key *key)
+static bool is_word_key(const struct dg_key *key)
 {
     return key->type == DG_KEY_FLAG || key->type == DG_KEY_WORD;
 }
@@ -32,8 +32,8 @@ static void say_limits(const struct dg_key *key, struct dg_text *to)
     const int64_t one = dg_power_of_ten(key->places);
 
     dg_text_add_number(to, key->min / one);
-    if (!is_text(key) || key->min != key->max) {
-        dg_text_add(to, is_text(key) ? " to " : "..");
+    if (!is_text_key(key) || key->min != key->max) {
+        dg_text_add(to, is_text_key(key) ? " to " : "..");
         dg_text_add_number(to, key->max / one);
     }
 }
@@ -41,9 +41,9 @@ static void say_limits(const struct dg_key *key, struct dg_text *to)
 void dg_key_say_range(const struct dg_key *self, struct dg_text *to)
 {
     static const char *const characters[] = {"characters", "digits"};
-    const char *unit = is_text(self) ? characters[self->type == DG_KEY_DIGITS] : self->unit;
+    const char *unit = is_text_key(self) ? characters[self->type == DG_KEY_DIGITS] : self->unit;
 
-    if (is_word(self)) {
+    if (is_word_key(self)) {
         say_words(self, to);
         return;
     }
@@ -54,7 +54,7 @@ void dg_key_say_range(const struct dg_key *self, struct dg_text *to)
 
 void dg_key_say_right(const struct dg_key *self, struct dg_text *to)
 {
-    const bool number = !is_text(self) && !is_word(self);
+    const bool number = !is_text_key(self) && !is_word_key(self);
 
     dg_text_add(to, number ? "expected a number in " : "expected ");
     dg_key_say_range(self, to);

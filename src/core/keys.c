@@ -20,7 +20,7 @@ const char *const dg_key_no_yes[2] = {"0", "1"};
 /* Longer texts than any row takes. */
 #define TEXT_MAX 256u
 
-static bool same(const char *a, const char *b)
+static bool is_same_text(const char *a, const char *b)
 {
     const size_t n = dg_text_length(a, TEXT_MAX);
 
@@ -30,19 +30,19 @@ static bool same(const char *a, const char *b)
 const struct dg_key *dg_keys_find(const struct dg_keys *self, const char *name)
 {
     for (size_t i = 0; i < self->count; i++) {
-        if (same(self->rows[i].name, name)) {
+        if (is_same_text(self->rows[i].name, name)) {
             return &self->rows[i];
         }
     }
     return NULL;
 }
 
-static bool is_text(const struct dg_key *key)
+static bool is_text_key(const struct dg_key *key)
 {
     return key->type == DG_KEY_TEXT || key->type == DG_KEY_DIGITS;
 }
 
-static bool is_word(const struct dg_key *key)
+static bool is_word_key(const struct dg_key *key)
 {
     return key->type == DG_KEY_FLAG || key->type == DG_KEY_WORD;
 }
@@ -50,7 +50,7 @@ static bool is_word(const struct dg_key *key)
 /* ------------------------------------------------------------ values */
 
 /* The value has been checked against the row's range, so it fits the type. */
-static void store(const struct dg_key *key, uint8_t *to, int64_t value)
+static void store_value(const struct dg_key *key, uint8_t *to, int64_t value)
 {
     const struct values {
         uint64_t u64;
@@ -93,8 +93,8 @@ static int64_t load_32(const uint8_t *from, bool negative)
     return negative ? (int32_t)u32 : (int64_t)u32;
 }
 
-/* What store() has put there. */
-static int64_t load(const struct dg_key *key, const uint8_t *from)
+/* What store_value() has put there. */
+static int64_t load_value(const struct dg_key *key, const uint8_t *from)
 {
     uint64_t u64;
 
@@ -209,15 +209,15 @@ static int set_number(const struct dg_key *key, uint8_t *to, const char *value)
     if (!valid || number < key->min || number > key->max) {
         return DG_ERR_ARGUMENT;
     }
-    store(key, to, number);
+    store_value(key, to, number);
     return DG_OK;
 }
 
 static int set_word(const struct dg_key *key, uint8_t *to, const char *value)
 {
     for (int64_t i = 0; i <= key->max; i++) {
-        if (same(value, key->words[i])) {
-            store(key, to, i);
+        if (is_same_text(value, key->words[i])) {
+            store_value(key, to, i);
             return DG_OK;
         }
     }
@@ -252,10 +252,10 @@ int dg_key_set(const struct dg_key *self, void *base, const char *value)
 {
     uint8_t *to = (uint8_t *)base + self->offset;
 
-    if (is_word(self)) {
+    if (is_word_key(self)) {
         return set_word(self, to, value);
     }
-    return is_text(self) ? set_text(self, to, value) : set_number(self, to, value);
+    return is_text_key(self) ? set_text(self, to, value) : set_number(self, to, value);
 }
 
 /* ------------------------------------------------------------ text */
@@ -274,15 +274,15 @@ bool dg_key_holds(const struct dg_key *self, const void *base)
 {
     const uint8_t *at = (const uint8_t *)base + self->offset;
 
-    if (is_text(self)) {
+    if (is_text_key(self)) {
         return ends(at, (size_t)self->max);
     }
-    const int64_t value = load(self, at);
+    const int64_t value = load_value(self, at);
     return value >= self->min && value <= self->max;
 }
 
 /* From the right. @return the first character, the zero is behind the last one */
-static const char *format(char text[CHARACTERS_MAX], int64_t value, unsigned places)
+static const char *format_number(char text[CHARACTERS_MAX], int64_t value, unsigned places)
 {
     uint64_t rest = value < 0 ? 0u - (uint64_t)value : (uint64_t)value;
     char *at = &text[CHARACTERS_MAX - 1u];
@@ -309,10 +309,10 @@ int dg_key_get(const struct dg_key *self, const void *base, char *to, size_t siz
     char number[CHARACTERS_MAX];
     const char *text = (const char *)from;
 
-    if (is_word(self)) {
-        text = self->words[load(self, from)];
-    } else if (!is_text(self)) {
-        text = format(number, load(self, from), self->places);
+    if (is_word_key(self)) {
+        text = self->words[load_value(self, from)];
+    } else if (!is_text_key(self)) {
+        text = format_number(number, load_value(self, from), self->places);
     }
     const size_t n = dg_text_length(text, TEXT_MAX);
     if (n >= size) {

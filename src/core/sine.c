@@ -20,7 +20,7 @@
 #define C5 14670u
 
 /** a * b * 2^-32, to the nearest. */
-static uint32_t scaled(uint32_t a, uint32_t b)
+static uint32_t scale_fraction(uint32_t a, uint32_t b)
 {
     const uint64_t product = dg_product(a, b);
 
@@ -36,12 +36,12 @@ static int32_t first_quarter(uint32_t u)
         return (int32_t)QUARTER; /* z below would be 2^32 */
     }
     const uint32_t z = (uint32_t)(dg_product(u, u) >> 28); /* 2^-60 to 2^-32 */
-    sum = C4 - scaled(sum, z);
-    sum = C3 - scaled(sum, z);
-    sum = C2 - scaled(sum, z);
-    sum = C1 - scaled(sum, z);
-    const uint64_t whole = C0 - (uint64_t)scaled(sum, z);
-    return (int32_t)(scaled((uint32_t)whole, u) + ((whole >> 32) != 0 ? u : 0u));
+    sum = C4 - scale_fraction(sum, z);
+    sum = C3 - scale_fraction(sum, z);
+    sum = C2 - scale_fraction(sum, z);
+    sum = C1 - scale_fraction(sum, z);
+    const uint64_t whole = C0 - (uint64_t)scale_fraction(sum, z);
+    return (int32_t)(scale_fraction((uint32_t)whole, u) + ((whole >> 32) != 0 ? u : 0u));
 }
 
 int32_t dg_sin_q30(uint32_t phase)

@@ -98,8 +98,8 @@ static void write_figures(struct dg_model_stamp *self, const struct dg_model_tex
 }
 
 /* The regions of `base`, and behind them `parts` for figures. */
-static void make_layout(struct dg_store_layout *to, struct dg_store_region *regions,
-                        const struct dg_model_stamp *stamp, size_t parts)
+static void make_stamped_layout(struct dg_store_layout *to, struct dg_store_region *regions,
+                                const struct dg_model_stamp *stamp, size_t parts)
 {
     static const char *const names[DG_MODEL_STAMP_PARTS] = {"figures", "figures-2", "figures-3"};
     uint8_t count = stamp->base->region_count;
@@ -153,7 +153,8 @@ void dg_model_stamp_make(struct dg_model_stamp *to, const struct dg_model_text *
     }
     write_figures(to, text, model);
     const size_t n = dg_text_length(to->figures, FIGURES_MAX);
-    make_layout(&to->layout, to->regions, to, (n + DG_MODEL_STAMP_PART - 1u) / DG_MODEL_STAMP_PART);
+    make_stamped_layout(&to->layout, to->regions, to,
+                        (n + DG_MODEL_STAMP_PART - 1u) / DG_MODEL_STAMP_PART);
     to->layout.id = make_id(to);
     set_layout(text, model, &to->layout);
 }
@@ -186,7 +187,7 @@ struct image {
 };
 
 /* It may be anything. */
-static bool is_text(const char *figures)
+static bool are_figures_printable(const char *figures)
 {
     for (; *figures != '\0'; figures++) {
         if (*figures != '\n' && (*figures < ' ' || *figures > '~')) {
@@ -204,7 +205,7 @@ static void read_figures(struct image *self, uint8_t first)
             self->figures[0] = '\0';
         }
     }
-    if (!is_text(self->figures)) {
+    if (!are_figures_printable(self->figures)) {
         self->figures[0] = '\0';
     }
 }
@@ -228,13 +229,14 @@ static int open_by(struct image *self, const struct dg_model_stamp *stamp, struc
             return DG_ERR_FOREIGN;
         }
     }
-    make_layout(&self->layout, self->regions, stamp, parts);
+    make_stamped_layout(&self->layout, self->regions, stamp, parts);
     self->layout.id = id;
     return dg_store_mount(&self->store, &self->layout, nvm);
 }
 
 /* @return as dg_model_stamp_compare() */
-static int open_image(struct image *self, const struct dg_model_stamp *stamp, struct dg_nvm nvm)
+static int open_stamped_image(struct image *self, const struct dg_model_stamp *stamp,
+                              struct dg_nvm nvm)
 {
     int result = open_by(self, stamp, nvm, 0);
 
@@ -273,8 +275,8 @@ static const char *copy_value(const char *value, char *to)
     return to;
 }
 
-static void tell_misfit(const struct comparing *self, const char *line, const char *found,
-                        const char *expected)
+static void tell_figure_misfit(const struct comparing *self, const char *line, const char *found,
+                               const char *expected)
 {
     char key[DG_MODEL_STAMP_VALUE_MAX + 1u];
     char values[2][DG_MODEL_STAMP_VALUE_MAX + 1u];
@@ -297,13 +299,13 @@ static void compare_figures(const struct comparing *self, const char *expected, 
         const size_t n = key_length(line);
         const char *value = find_value(found, line, n);
         if (value == NULL || !same_value(value, line + n + 1u)) {
-            tell_misfit(self, line, value, line + n + 1u);
+            tell_figure_misfit(self, line, value, line + n + 1u);
         }
     }
     for (line = first_line(found); line != NULL; line = next_line(line)) {
         const size_t n = key_length(line);
         if (line[n] == '=' && find_value(expected, line, n) == NULL) {
-            tell_misfit(self, line, line + n + 1u, NULL);
+            tell_figure_misfit(self, line, line + n + 1u, NULL);
         }
     }
 }
@@ -312,7 +314,7 @@ int dg_model_stamp_compare(const struct dg_model_stamp *self, struct dg_nvm nvm,
                            void (*tell)(void *ctx, const struct dg_model_misfit *misfit), void *ctx)
 {
     struct image image = {.layout = {.id = 0}};
-    const int result = open_image(&image, self, nvm);
+    const int result = open_stamped_image(&image, self, nvm);
 
     if (result == DG_ERR_ARGUMENT && tell != NULL) {
         compare_figures(&(struct comparing){tell, ctx}, self->figures, image.figures);
@@ -361,7 +363,7 @@ int dg_model_stamp_convert(const struct dg_model_stamp *self, struct dg_nvm from
 {
     struct image image = {.layout = {.id = 0}};
     struct dg_store store;
-    int result = open_image(&image, self, from);
+    int result = open_stamped_image(&image, self, from);
 
     if (result == DG_ERR_FOREIGN || result == DG_ERR_IO) {
         return result;

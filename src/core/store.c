@@ -71,7 +71,7 @@ static int nvm_sync(const struct dg_nvm *nvm)
     return nvm->ops->sync == NULL ? DG_OK : nvm->ops->sync(nvm->ctx);
 }
 
-static bool same(const uint8_t *a, const uint8_t *b, size_t n)
+static bool are_same_bytes(const uint8_t *a, const uint8_t *b, size_t n)
 {
     while (n > 0 && *a == *b) {
         a++;
@@ -160,7 +160,7 @@ static uint8_t regions_under(const struct dg_store_layout *layout, const uint8_t
     uint8_t regions = layout->region_count;
     while (regions > 0) {
         make_header(layout, regions, right);
-        if (same(header, right, HEADER_SIZE)) {
+        if (are_same_bytes(header, right, HEADER_SIZE)) {
             break;
         }
         regions--;
@@ -172,7 +172,8 @@ static bool has_mark(const struct dg_store_layout *layout, const uint8_t *header
 {
     uint8_t mark[HEADER_SIZE];
     make_header(layout, 0, mark);
-    return same(headers, mark, HEADER_SIZE) || same(headers + HEADER_SIZE, mark, HEADER_SIZE);
+    return are_same_bytes(headers, mark, HEADER_SIZE) ||
+           are_same_bytes(headers + HEADER_SIZE, mark, HEADER_SIZE);
 }
 
 static int no_header(const struct dg_store_layout *layout, const uint8_t *headers)
@@ -250,11 +251,11 @@ static int inspect_journal(const struct dg_store *self, uint16_t *length)
     if (make_journal_head(&self->nvm, *length, right) != DG_OK) {
         return DG_ERR_IO;
     }
-    return same(found, right, sizeof found) ? JOURNAL_WHOLE : JOURNAL_TORN;
+    return are_same_bytes(found, right, sizeof found) ? JOURNAL_WHOLE : JOURNAL_TORN;
 }
 
 /* Put the changes in place, in order; `regions` collects the ones written as a whole. */
-static int apply(const struct dg_store *self, uint16_t length, uint32_t *regions)
+static int apply_journal(const struct dg_store *self, uint16_t length, uint32_t *regions)
 {
     const struct dg_store_layout *layout = self->layout;
     const uint32_t end = CHANGES + length;
@@ -288,10 +289,10 @@ static int apply(const struct dg_store *self, uint16_t length, uint32_t *regions
  * Complete a whole journal, and clear it. The sync before: what a crashed process left may be
  * readable and not yet durable, and a journal has to outlive the first change in place.
  */
-static int complete(struct dg_store *self, uint16_t length)
+static int complete_journal(struct dg_store *self, uint16_t length)
 {
     uint32_t regions = 0;
-    if (nvm_sync(&self->nvm) != DG_OK || apply(self, length, &regions) != DG_OK ||
+    if (nvm_sync(&self->nvm) != DG_OK || apply_journal(self, length, &regions) != DG_OK ||
         nvm_sync(&self->nvm) != DG_OK) {
         return DG_ERR_IO;
     }
@@ -301,19 +302,19 @@ static int complete(struct dg_store *self, uint16_t length)
 
 /* Drop a torn journal, durably: staging the same bytes again would make it whole without a
    commit. */
-static int drop(const struct dg_store *self)
+static int drop_journal(const struct dg_store *self)
 {
     return nvm_erase(&self->nvm, JOURNAL, JOURNAL_HEAD_SIZE) == DG_OK ? nvm_sync(&self->nvm)
                                                                       : DG_ERR_IO;
 }
 
 /* Leave the journal idle, whatever is there. Returns enum journal_state as found, or DG_ERR_IO. */
-static int settle(struct dg_store *self)
+static int settle_journal(struct dg_store *self)
 {
     uint16_t length = 0;
     const int state = inspect_journal(self, &length);
-    if ((state == JOURNAL_WHOLE && complete(self, length) != DG_OK) ||
-        (state == JOURNAL_TORN && drop(self) != DG_OK)) {
+    if ((state == JOURNAL_WHOLE && complete_journal(self, length) != DG_OK) ||
+        (state == JOURNAL_TORN && drop_journal(self) != DG_OK)) {
         return DG_ERR_IO;
     }
     self->unapplied = state < 0;
@@ -323,11 +324,11 @@ static int settle(struct dg_store *self)
 /* What an earlier call left open comes first. */
 static int settle_open(struct dg_store *self)
 {
-    const int result = self->unapplied ? settle(self) : DG_OK;
+    const int result = self->unapplied ? settle_journal(self) : DG_OK;
     return result < 0 ? result : DG_OK;
 }
 
-static int append(struct dg_store *self, const uint8_t *head, const void *from, uint16_t n)
+static int stage_change(struct dg_store *self, const uint8_t *head, const void *from, uint16_t n)
 {
     const uint32_t at = CHANGES + self->journal_length;
     if (CHANGE_HEAD_SIZE + n > (uint32_t)self->layout->journal_size - self->journal_length) {
@@ -351,7 +352,7 @@ static int commit_journal(struct dg_store *self)
        it succeeds the journal is whole, and is not read back: 310 of 43h's 2285 instructions. */
     self->unapplied = true;
     if (nvm_write(&self->nvm, JOURNAL, head, sizeof head) != DG_OK ||
-        complete(self, self->journal_length) != DG_OK) {
+        complete_journal(self, self->journal_length) != DG_OK) {
         return DG_ERR_IO;
     }
     self->unapplied = false;
@@ -424,7 +425,7 @@ static int format_regions(const struct dg_store_layout *layout, const struct dg_
 
 /* Public. */
 
-static int counted(struct dg_store *self, int result)
+static int count_failure(struct dg_store *self, int result)
 {
     if (result == DG_ERR_IO) {
         self->failures++;
@@ -484,7 +485,7 @@ int dg_store_mount(struct dg_store *self, const struct dg_store_layout *layout, 
         .layout = layout, .nvm = nvm, .region_count = layout->region_count, .unapplied = true};
     int result = check_header(self);
     if (result == DG_OK) {
-        result = settle(self);
+        result = settle_journal(self);
     }
     if (result >= 0) {
         self->replays = result == JOURNAL_WHOLE;
@@ -493,7 +494,7 @@ int dg_store_mount(struct dg_store *self, const struct dg_store_layout *layout, 
     if (result == DG_OK && self->region_count < layout->region_count) {
         result = DG_ERR_OLDER;
     }
-    return counted(self, result);
+    return count_failure(self, result);
 }
 
 int dg_store_grow(struct dg_store *self, const void *ctx)
@@ -509,7 +510,7 @@ int dg_store_grow(struct dg_store *self, const void *ctx)
     if (result == DG_OK) {
         self->region_count = layout->region_count;
     }
-    return counted(self, result);
+    return count_failure(self, result);
 }
 
 bool dg_store_damaged(const struct dg_store *self, uint8_t region)
@@ -526,7 +527,7 @@ int dg_store_read(struct dg_store *self, uint8_t region, uint16_t offset, void *
     if (result == DG_OK && n > 0) {
         result = nvm_read(&self->nvm, dg_store_address(self->layout, region) + offset, to, n);
     }
-    return counted(self, result);
+    return count_failure(self, result);
 }
 
 void dg_store_begin(struct dg_store *self)
@@ -541,7 +542,7 @@ int dg_store_stage(struct dg_store *self, uint8_t region, uint16_t offset, const
     uint8_t head[CHANGE_HEAD_SIZE] = {region};
     int result = DG_OK;
     if (self->failed != DG_OK) {
-        return counted(self, self->failed);
+        return count_failure(self, self->failed);
     }
     if (!stageable(self, region, offset, n)) {
         result = DG_ERR_ARGUMENT;
@@ -553,10 +554,10 @@ int dg_store_stage(struct dg_store *self, uint8_t region, uint16_t offset, const
             dg_store_le16(head + 2, offset);
         }
         dg_store_le16(head + 4, n);
-        result = append(self, head, from, n);
+        result = stage_change(self, head, from, n);
     }
     self->failed = (int8_t)result;
-    return counted(self, result);
+    return count_failure(self, result);
 }
 
 int dg_store_commit(struct dg_store *self)
@@ -565,7 +566,7 @@ int dg_store_commit(struct dg_store *self)
     if (result == DG_OK && self->journal_length > 0) {
         result = commit_journal(self);
     }
-    return counted(self, result);
+    return count_failure(self, result);
 }
 
 int dg_store_put(struct dg_store *self, uint8_t region, uint16_t offset, const void *from,

@@ -18,7 +18,7 @@
 #define WORD_BITS 64u
 
 /** Schoolbook multiplication in halves of 32 bits. */
-static inline struct dg_wide multiply(uint64_t a, uint64_t b)
+static inline struct dg_wide multiply_wide(uint64_t a, uint64_t b)
 {
     const uint32_t a_low = (uint32_t)a;
     const uint32_t a_high = (uint32_t)(a >> HALF_BITS);
@@ -36,7 +36,7 @@ static inline struct dg_wide multiply(uint64_t a, uint64_t b)
 
 uint64_t dg_divide_by(struct dg_wide value, const struct dg_reciprocal *by, uint64_t *rest)
 {
-    struct dg_wide q = multiply(by->inverse, value.high);
+    struct dg_wide q = multiply_wide(by->inverse, value.high);
 
     q.low += value.low;
     q.high += value.high + (q.low < value.low ? 1u : 0u) + 1u;
@@ -55,7 +55,7 @@ uint64_t dg_divide_by(struct dg_wide value, const struct dg_reciprocal *by, uint
 
 struct dg_wide dg_wide_product(uint64_t a, uint64_t b)
 {
-    return multiply(a, b);
+    return multiply_wide(a, b);
 }
 
 static uint8_t zeros_in_front(uint64_t value)
@@ -96,8 +96,8 @@ static uint64_t inverse_of(uint64_t d)
     const uint64_t v1 = (v0 << 11) - (v0 * v0 * d40 >> 40) - 1u;
     const uint64_t v2 = (v1 << 13) + (v1 * (((uint64_t)1 << 60) - v1 * d40) >> 47);
     const uint64_t e = (0u - v2 * d63) + ((d & 1u) != 0 ? v2 >> 1 : 0u);
-    const uint64_t v3 = (v2 << 31) + (multiply(v2, e).high >> 1);
-    struct dg_wide last = multiply(v3, d);
+    const uint64_t v3 = (v2 << 31) + (multiply_wide(v2, e).high >> 1);
+    struct dg_wide last = multiply_wide(v3, d);
 
     last.low += d;
     last.high += d + (last.low < d ? 1u : 0u);
@@ -117,7 +117,7 @@ struct dg_reciprocal dg_reciprocal_of(uint64_t divisor)
 
 uint64_t dg_muldiv(uint64_t a, uint64_t b, uint64_t c)
 {
-    struct dg_wide product = multiply(a, b);
+    struct dg_wide product = multiply_wide(a, b);
     uint64_t rest;
 
     if (product.high >= c) {

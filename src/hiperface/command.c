@@ -55,7 +55,7 @@ static bool length_fits(const struct hf_command *row, const uint8_t *data, uint1
 }
 
 /* `row` stays what it is unless the frame is one. */
-static enum dg_hf_status judge(const struct dg_hf *self, uint8_t *row)
+static enum dg_hf_status judge_frame_errors(const struct dg_hf *self, uint8_t *row)
 {
     if (self->frame_damaged) {
         return DG_HF_CHECKSUM;
@@ -83,7 +83,7 @@ static enum dg_hf_status judge(const struct dg_hf *self, uint8_t *row)
 void dg_hf_check_frame(struct dg_hf *self)
 {
     self->command = dg_hf_command_count;
-    self->verdict = (uint8_t)judge(self, &self->command);
+    self->verdict = (uint8_t)judge_frame_errors(self, &self->command);
 }
 
 /* What stands between a well-formed request and its handler. */

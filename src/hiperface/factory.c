@@ -92,7 +92,7 @@ static void default_fields(const void *ctx, uint8_t *out)
 }
 
 /* A text of at most `size` characters, padded with 00h. */
-static void write_text(struct dg_writer *w, const char *text, size_t size)
+static void write_padded_text(struct dg_writer *w, const char *text, size_t size)
 {
     bool ended = false;
 
@@ -109,9 +109,9 @@ static void default_type(const void *ctx, uint8_t *out)
 
     dg_write_u8(&w, model->type_code);
     dg_write_u8(&w, model->option_code);
-    write_text(&w, model->serial, SERIAL_SIZE);
-    write_text(&w, model->version, VERSION_SIZE);
-    write_text(&w, model->date, DATE_SIZE);
+    write_padded_text(&w, model->serial, SERIAL_SIZE);
+    write_padded_text(&w, model->version, VERSION_SIZE);
+    write_padded_text(&w, model->date, DATE_SIZE);
 }
 
 static void default_label(const void *ctx, uint8_t *out)
@@ -137,7 +137,7 @@ static void default_label(const void *ctx, uint8_t *out)
     dg_write_u8(&w, 0); /* rotary, counting up from 0 */
     dg_write_be32(&w, model->periods_per_turn);
     dg_write_be32(&w, model->turns);
-    write_text(&w, model->designation, DESIGNATION_SIZE);
+    write_padded_text(&w, model->designation, DESIGNATION_SIZE);
     dg_write_be16(&w, LABEL_SELECTOR);
     for (size_t i = 0; i < DG_COUNT(parameters); i++) {
         dg_write_be16(&w, parameters[i]);
@@ -273,7 +273,7 @@ const char *dg_hf_differs(const struct dg_hf_model *model, struct dg_store *stor
 }
 
 /* Read a region that is in order; `to` keeps its content otherwise. */
-static bool load(struct dg_hf *self, enum dg_hf_region region, uint8_t *to)
+static bool load_sound_region(struct dg_hf *self, enum dg_hf_region region, uint8_t *to)
 {
     return !dg_store_damaged(&self->store, (uint8_t)region) &&
            dg_hf_get(self, region, to) == DG_HF_NO_ERROR;
@@ -300,13 +300,13 @@ static void load_resolution(struct dg_hf *self)
     uint8_t bytes[7];
     uint8_t beyond[4] = {0};
 
-    if (!load(self, DG_HF_REGION_RESOLUTION, bytes)) {
+    if (!load_sound_region(self, DG_HF_REGION_RESOLUTION, bytes)) {
         return;
     }
     uint32_t periods = dg_load_be16(&bytes[0]);
     uint32_t steps = bytes[2];
     uint32_t turns = dg_load_be32(&bytes[3]);
-    if (steps == STEPS_ELSEWHERE && load(self, DG_HF_REGION_STEPS, beyond)) {
+    if (steps == STEPS_ELSEWHERE && load_sound_region(self, DG_HF_REGION_STEPS, beyond)) {
         steps = dg_load_be32(beyond);
     }
     if (resolution_fits(periods, steps, turns)) {
@@ -321,10 +321,11 @@ static void load_memory_size(struct dg_hf *self)
     uint8_t blocks;
 
     /* More blocks than there are would be fields beyond their table. */
-    if (load(self, DG_HF_REGION_MEMORY, &blocks) && blocks <= HF_FIELDS_MAX) {
+    if (load_sound_region(self, DG_HF_REGION_MEMORY, &blocks) && blocks <= HF_FIELDS_MAX) {
         self->blocks = blocks;
     }
-    if (load(self, DG_HF_REGION_IMPLEMENTED, &blocks) && implemented_fits(blocks, self->blocks)) {
+    if (load_sound_region(self, DG_HF_REGION_IMPLEMENTED, &blocks) &&
+        implemented_fits(blocks, self->blocks)) {
         self->implemented = blocks != 0 ? blocks : self->blocks;
     }
 }
@@ -349,7 +350,7 @@ void dg_hf_load(struct dg_hf *self, bool mounted)
     load_from_model(self);
     default_label(self->setup.model, bytes);
     if (mounted) {
-        (void)load(self, DG_HF_REGION_LABEL, bytes);
+        (void)load_sound_region(self, DG_HF_REGION_LABEL, bytes);
     }
     load_limits(self, bytes);
     if (!mounted) {
@@ -357,13 +358,13 @@ void dg_hf_load(struct dg_hf *self, bool mounted)
     }
     load_resolution(self);
     load_memory_size(self);
-    if (load(self, DG_HF_REGION_OFFSET, bytes)) {
+    if (load_sound_region(self, DG_HF_REGION_OFFSET, bytes)) {
         uint64_t range = (uint64_t)self->periods * self->steps * self->turns;
         self->offset = (uint32_t)(dg_load_be32(bytes) % range);
     }
-    if (load(self, DG_HF_REGION_UART, bytes)) {
+    if (load_sound_region(self, DG_HF_REGION_UART, bytes)) {
         self->uart_stored = bytes[0];
         self->address = bytes[1];
     }
-    (void)load(self, DG_HF_REGION_CODES, self->codes);
+    (void)load_sound_region(self, DG_HF_REGION_CODES, self->codes);
 }

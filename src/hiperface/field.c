@@ -36,7 +36,7 @@ static uint8_t blocks_of(uint8_t status)
     return (uint8_t)((status & STATUS_BLOCKS) + 1u);
 }
 
-static uint8_t code_of(const struct dg_hf *self, uint8_t status)
+static uint8_t access_code_of(const struct dg_hf *self, uint8_t status)
 {
     return self->codes[(status >> 4) & 3u];
 }
@@ -75,7 +75,7 @@ static struct field field_at(const struct fields *fields, uint8_t number)
 }
 
 /* Find data field `number`, or the label. */
-static enum dg_hf_status find(struct dg_hf *self, uint8_t number, struct field *out)
+static enum dg_hf_status find_field(struct dg_hf *self, uint8_t number, struct field *out)
 {
     struct fields fields;
 
@@ -123,12 +123,13 @@ static int stage_sum(struct dg_hf *self, const struct field *field, const uint8_
 /* Field, code and bounds of 4Ah and 4Bh: {number, offset, count, code, ...}. */
 static enum dg_hf_status open_field(struct dg_hf *self, const uint8_t *data, struct field *field)
 {
-    enum dg_hf_status status = find(self, data[0], field);
+    enum dg_hf_status status = find_field(self, data[0], field);
 
     if (status != DG_HF_NO_ERROR) {
         return status;
     }
-    if ((field->status & STATUS_CODE_ENABLED) != 0 && data[3] != code_of(self, field->status)) {
+    if ((field->status & STATUS_CODE_ENABLED) != 0 &&
+        data[3] != access_code_of(self, field->status)) {
         return DG_HF_ACCESS_CODE;
     }
     if (data[2] == 0 || data[1] + data[2] > field->size) {
@@ -183,7 +184,7 @@ enum dg_hf_status dg_hf_save_data(struct dg_hf *self, struct hf_request *rq)
 enum dg_hf_status dg_hf_field_status(struct dg_hf *self, struct hf_request *rq)
 {
     struct field field = {0};
-    enum dg_hf_status status = find(self, rq->data[0], &field);
+    enum dg_hf_status status = find_field(self, rq->data[0], &field);
 
     dg_write_u8(&rq->reply, rq->data[0]);
     dg_write_u8(&rq->reply, field.status);
@@ -205,8 +206,8 @@ static enum dg_hf_status commit_fields(struct dg_hf *self, const struct fields *
 /* Give the last field (new, or so far `kept` bytes long) its status; added bytes read FFh. The
  * bytes are cleared first: nobody owns them until the table says so, so a power cut in between
  * changes nothing. */
-static enum dg_hf_status resize(struct dg_hf *self, struct fields *fields, uint8_t status,
-                                uint16_t kept)
+static enum dg_hf_status resize_field(struct dg_hf *self, struct fields *fields, uint8_t status,
+                                      uint16_t kept)
 {
     uint8_t content[FIELD_MAX];
     uint8_t number = (uint8_t)(fields->count - 1u);
@@ -234,7 +235,8 @@ static enum dg_hf_status resize(struct dg_hf *self, struct fields *fields, uint8
 }
 
 /* 4Dh on a field that exists: erase it, change its status, enlarge it. */
-static enum dg_hf_status modify(struct dg_hf *self, struct fields *fields, const uint8_t *data)
+static enum dg_hf_status modify_field(struct dg_hf *self, struct fields *fields,
+                                      const uint8_t *data)
 {
     uint8_t number = data[0];
     uint8_t wanted = data[1];
@@ -242,7 +244,7 @@ static enum dg_hf_status modify(struct dg_hf *self, struct fields *fields, const
     bool erase = (wanted & STATUS_EXISTS) == 0;
     bool last = number + 1u == fields->count;
 
-    if (data[2] != code_of(self, old)) {
+    if (data[2] != access_code_of(self, old)) {
         return DG_HF_ACCESS_CODE;
     }
     if (erase) {
@@ -263,24 +265,25 @@ static enum dg_hf_status modify(struct dg_hf *self, struct fields *fields, const
     if (blocks_of(wanted) < blocks_of(old)) {
         return DG_HF_FIELD_SIZE; /* a field can only grow */
     }
-    return resize(self, fields, wanted, (uint16_t)(blocks_of(old) * HF_BLOCK));
+    return resize_field(self, fields, wanted, (uint16_t)(blocks_of(old) * HF_BLOCK));
 }
 
-static enum dg_hf_status create(struct dg_hf *self, struct fields *fields, const uint8_t *data)
+static enum dg_hf_status create_data_field(struct dg_hf *self, struct fields *fields,
+                                           const uint8_t *data)
 {
     bool label = data[0] == HF_LABEL;
 
     if (!label && (data[0] != fields->count || (data[1] & STATUS_EXISTS) == 0)) {
         return DG_HF_FIELD_NUMBER;
     }
-    if (data[2] != code_of(self, data[1])) {
+    if (data[2] != access_code_of(self, data[1])) {
         return DG_HF_ACCESS_CODE;
     }
     if (label || blocks_used(fields, fields->count) + blocks_of(data[1]) > self->blocks) {
         return DG_HF_FIELD_SIZE;
     }
     fields->count++;
-    return resize(self, fields, data[1], 0);
+    return resize_field(self, fields, data[1], 0);
 }
 
 enum dg_hf_status dg_hf_create_field(struct dg_hf *self, struct hf_request *rq)
@@ -292,8 +295,8 @@ enum dg_hf_status dg_hf_create_field(struct dg_hf *self, struct hf_request *rq)
         return status;
     }
     dg_write_bytes(&rq->reply, rq->data, 2);
-    return rq->data[0] < fields.count ? modify(self, &fields, rq->data)
-                                      : create(self, &fields, rq->data);
+    return rq->data[0] < fields.count ? modify_field(self, &fields, rq->data)
+                                      : create_data_field(self, &fields, rq->data);
 }
 
 enum dg_hf_status dg_hf_available_memory(struct dg_hf *self, struct hf_request *rq)

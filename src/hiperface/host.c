@@ -90,7 +90,7 @@ static dg_ns due(const struct dg_host_line *line, const struct dg_host_event *ev
     return dg_after(event->at, (line->part + 1u) / 2u * one);
 }
 
-static void hear(struct dg_host_line *line, uint8_t byte, unsigned flags)
+static void hear_byte(struct dg_host_line *line, uint8_t byte, unsigned flags)
 {
     /* Half duplex: while its own reply is on the line an encoder hears nothing. */
     if (line->now >= line->until) {
@@ -106,9 +106,9 @@ static bool take(struct dg_host_line *line, const struct dg_host_event *event)
     const uint32_t last = ended ? event->length : 2u * event->length;
 
     if (only_start(event) || (!ended && part % 2u == 0)) {
-        hear(line, 0, DG_HF_RX_START);
+        hear_byte(line, 0, DG_HF_RX_START);
     } else {
-        hear(line, event->data[ended ? part : part / 2u], damaged);
+        hear_byte(line, event->data[ended ? part : part / 2u], damaged);
     }
     return only_start(event) || line->part == last;
 }

@@ -21,7 +21,7 @@ static const char *mode(const void *self, dg_ns now)
     return device->window_end != DG_NEVER ? "window" : "on";
 }
 
-static void put_errors(const struct dg_hf *device, struct dg_scpi *to)
+static void put_status_errors(const struct dg_hf *device, struct dg_scpi *to)
 {
     bool first = true;
 
@@ -66,7 +66,7 @@ static void state(const void *self, dg_ns now, struct dg_scpi *to)
     const char parity[2] = {uart.parity};
 
     dg_state_word(to, "leds", "-");
-    put_errors(device, to);
+    put_status_errors(device, to);
     dg_state_number(to, "frames", counters->frames);
     dg_state_number(to, "replies", counters->replies);
     dg_state_number(to, "error_replies", counters->errors);

@@ -39,7 +39,7 @@ struct dg_hf_uart dg_hf_uart(const struct dg_hf *self)
     return uart;
 }
 
-static void use(struct dg_hf *self, uint8_t uart)
+static void use_uart(struct dg_hf *self, uint8_t uart)
 {
     self->uart = uart;
     const struct dg_hf_uart plain = dg_hf_uart(self);
@@ -47,7 +47,7 @@ static void use(struct dg_hf *self, uint8_t uart)
 }
 
 /* Silence after a character that ends a frame; after a start bit its character is still to come. */
-static dg_ns timeout_ns(const struct dg_hf *self, bool start_bit)
+static dg_ns hf_timeout_ns(const struct dg_hf *self, bool start_bit)
 {
     if (!start_bit) {
         return self->silence_ns;
@@ -56,14 +56,14 @@ static dg_ns timeout_ns(const struct dg_hf *self, bool start_bit)
     return dg_bit_times_ns(uart.timeout_bits + CHARACTER_BITS, uart.baud);
 }
 
-static void become(struct dg_hf *self, enum dg_hf_line_state line, dg_ns deadline)
+static void enter_line_state(struct dg_hf *self, enum dg_hf_line_state line, dg_ns deadline)
 {
     self->line = line;
     self->deadline = deadline;
 }
 
 /* The start common to power-on and 53h: everything but the UART setting begins anew. */
-static int start(struct dg_hf *self)
+static int start_channel(struct dg_hf *self)
 {
     int result = DG_ERR_IO;
 
@@ -103,38 +103,38 @@ int dg_hf_init(struct dg_hf *self, const struct dg_hf_setup *setup)
 int dg_hf_power_on(struct dg_hf *self, dg_ns now)
 {
     dg_hf_power_off(self);
-    int result = start(self);
+    int result = start_channel(self);
     if (result == DG_ERR_BLANK || result == DG_ERR_FOREIGN) {
         return result;
     }
-    use(self, DG_HF_UART_DEFAULT);
+    use_uart(self, DG_HF_UART_DEFAULT);
     self->uart_next = self->uart_stored;
     self->window_end = dg_after(now, self->setup.model->init);
     self->last_rx = now;
-    become(self, DG_HF_IDLE, DG_NEVER);
+    enter_line_state(self, DG_HF_IDLE, DG_NEVER);
     return DG_OK;
 }
 
 void dg_hf_power_off(struct dg_hf *self)
 {
     self->window_end = DG_NEVER;
-    become(self, DG_HF_OFF, DG_NEVER);
+    enter_line_state(self, DG_HF_OFF, DG_NEVER);
 }
 
 /* 53h: deaf for the initialisation time, then the setting that 57h left, if it left one. */
-static void reset(struct dg_hf *self, dg_ns moment)
+static void reset_line(struct dg_hf *self, dg_ns moment)
 {
     uint8_t uart = self->uart_next;
 
-    (void)start(self);
-    use(self, uart);
+    (void)start_channel(self);
+    use_uart(self, uart);
     self->uart_next = uart;
-    become(self, DG_HF_DEAF, dg_after(moment, self->setup.model->init));
+    enter_line_state(self, DG_HF_DEAF, dg_after(moment, self->setup.model->init));
 }
 
 /* The line was silent for the timeout. In the start-up window an intact frame is communication,
  * whoever it was for and whatever was in it: the setting in force stays (R27). */
-static void notice(struct dg_hf *self)
+static void notice_silence(struct dg_hf *self)
 {
     bool intact = !self->frame_damaged && self->length >= HF_FRAME_LEAST && self->sum == 0;
 
@@ -153,27 +153,27 @@ static void end_of_frame(struct dg_hf *self, dg_ns moment)
     const struct hf_command *row =
         self->command < dg_hf_command_count ? &dg_hf_commands[self->command] : NULL;
     self->counters.frames++;
-    notice(self);
+    notice_silence(self);
     if (self->verdict == DG_HF_NO_ERROR && row != NULL && row->handler == NULL) {
-        reset(self, moment);
+        reset_line(self, moment);
         return;
     }
     /* What is no command has the shortest maximum that a command has. */
     uint8_t most_ms = row != NULL && row->handler != NULL ? row->reaction_ms : REACTION_LEAST_MS;
     reaction = dg_earliest(reaction, DG_MS(most_ms));
-    become(self, DG_HF_REPLY, dg_after(moment, reaction));
+    enter_line_state(self, DG_HF_REPLY, dg_after(moment, reaction));
 }
 
 /* What came in before the reply was out is no frame: wait until that is over, too. */
 static void after_reply(struct dg_hf *self, dg_ns now)
 {
-    dg_ns silent = dg_after(self->last_rx, timeout_ns(self, false));
+    dg_ns silent = dg_after(self->last_rx, hf_timeout_ns(self, false));
 
     if (silent > now) {
         self->frame_damaged = true;
-        become(self, DG_HF_SKIP, silent);
+        enter_line_state(self, DG_HF_SKIP, silent);
     } else {
-        become(self, DG_HF_IDLE, DG_NEVER);
+        enter_line_state(self, DG_HF_IDLE, DG_NEVER);
     }
 }
 
@@ -193,13 +193,13 @@ static inline dg_ns next_deadline(const struct dg_hf *self)
                                         : dg_earliest(self->deadline, window_deadline(self));
 }
 
-static void act(struct dg_hf *self, dg_ns now)
+static void act_on_state(struct dg_hf *self, dg_ns now)
 {
     dg_ns moment = self->deadline;
 
     if (self->window_end != DG_NEVER && window_deadline(self) <= moment) {
         self->window_end = DG_NEVER;
-        use(self, self->uart_next);
+        use_uart(self, self->uart_next);
         return;
     }
     switch (self->line) {
@@ -211,11 +211,11 @@ static void act(struct dg_hf *self, dg_ns now)
         after_reply(self, now);
         break;
     case DG_HF_SKIP:
-        notice(self);
-        become(self, DG_HF_IDLE, DG_NEVER);
+        notice_silence(self);
+        enter_line_state(self, DG_HF_IDLE, DG_NEVER);
         break;
     case DG_HF_DEAF:
-        become(self, DG_HF_IDLE, DG_NEVER);
+        enter_line_state(self, DG_HF_IDLE, DG_NEVER);
         break;
     case DG_HF_OFF:
     case DG_HF_IDLE:
@@ -228,7 +228,7 @@ dg_ns dg_hf_step(struct dg_hf *self, dg_ns now)
     dg_ns next = next_deadline(self);
 
     while (next <= now && next != DG_NEVER) {
-        act(self, now);
+        act_on_state(self, now);
         next = next_deadline(self);
     }
     if (self->line != DG_HF_OFF && self->line != DG_HF_DEAF) {
@@ -299,6 +299,6 @@ dg_ns dg_hf_rx(struct dg_hf *self, dg_ns now, uint8_t byte, uint8_t flags)
         break;
     }
     self->last_rx = now;
-    self->deadline = dg_after(now, timeout_ns(self, start_bit));
+    self->deadline = dg_after(now, hf_timeout_ns(self, start_bit));
     return next_deadline(self);
 }

@@ -26,21 +26,22 @@ static uint32_t raw_position(const struct dg_hf *self, dg_angle angle)
 }
 
 /* a + b modulo the measuring range; both are inside it. */
-static uint32_t add(const struct dg_hf *self, uint32_t a, uint32_t b)
+static uint32_t add_in_range(const struct dg_hf *self, uint32_t a, uint32_t b)
 {
     uint64_t sum = (uint64_t)a + b;
 
     return (uint32_t)(sum >= range(self) ? sum - range(self) : sum);
 }
 
-static uint32_t negate(const struct dg_hf *self, uint32_t a)
+static uint32_t negate_position(const struct dg_hf *self, uint32_t a)
 {
     return a == 0 ? 0 : (uint32_t)(range(self) - a);
 }
 
 uint32_t dg_hf_position(const struct dg_hf *self, dg_ns now)
 {
-    return add(self, raw_position(self, dg_world_angle(self->setup.world, now)), self->offset);
+    return add_in_range(self, raw_position(self, dg_world_angle(self->setup.world, now)),
+                        self->offset);
 }
 
 /* Bit n: position fault 1Dh + n (5.1.2.1). 1Eh is a warning. */
@@ -87,7 +88,7 @@ enum dg_hf_status dg_hf_read_position(struct dg_hf *self, struct hf_request *rq)
     const int32_t mrpm = dg_world_moving(self->setup.world, rq->now, &angle);
     const enum dg_hf_status status = faults(self, causes(self, mrpm > limit || mrpm < -limit));
 
-    dg_write_be32(&rq->reply, add(self, raw_position(self, angle), self->offset));
+    dg_write_be32(&rq->reply, add_in_range(self, raw_position(self, angle), self->offset));
     return status;
 }
 
@@ -112,8 +113,9 @@ static enum dg_hf_status wanted_offset(struct dg_hf *self, const struct hf_reque
     if (preset >= range(self)) {
         return DG_HF_ARGUMENT;
     }
-    *offset = add(self, preset,
-                  negate(self, raw_position(self, dg_world_angle(self->setup.world, rq->now))));
+    *offset = add_in_range(
+        self, preset,
+        negate_position(self, raw_position(self, dg_world_angle(self->setup.world, rq->now))));
     return faults(self, causes(self, false));
 }
 
@@ -138,7 +140,7 @@ enum dg_hf_status dg_hf_set_synchronous(struct dg_hf *self, struct hf_request *r
     offset = (uint32_t)(periods * self->steps % range(self));
     dg_write_be32(
         &rq->reply,
-        add(self, raw_position(self, dg_world_angle(self->setup.world, rq->now)), offset));
+        add_in_range(self, raw_position(self, dg_world_angle(self->setup.world, rq->now)), offset));
     return store_offset(self, offset);
 }
 

@@ -84,7 +84,7 @@ enum dg_hf_status dg_hf_corrupt(struct dg_hf *self)
 }
 
 /* A monitored quantity: entered when it leaves its limits, once until it has been back. */
-static void watch(struct dg_hf *self, uint8_t bit, bool out, enum dg_hf_status status)
+static void watch_quantity(struct dg_hf *self, uint8_t bit, bool out, enum dg_hf_status status)
 {
     if (out && (self->monitors & bit) == 0) {
         dg_hf_push(self, status);
@@ -104,6 +104,6 @@ void dg_hf_monitor(struct dg_hf *self)
     if (!led && !temperature && self->monitors == 0) {
         return;
     }
-    watch(self, 1u, led, DG_HF_LED_CURRENT);
-    watch(self, 2u, temperature, DG_HF_TEMPERATURE);
+    watch_quantity(self, 1u, led, DG_HF_LED_CURRENT);
+    watch_quantity(self, 2u, temperature, DG_HF_TEMPERATURE);
 }

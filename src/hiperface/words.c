@@ -106,7 +106,7 @@ struct data {
     size_t n;
 };
 
-static uint32_t number_of(const uint8_t *bytes, size_t n)
+static uint32_t bytes_number_of(const uint8_t *bytes, size_t n)
 {
     uint32_t value = 0;
 
@@ -134,13 +134,13 @@ static void add_field(struct dg_words_draft *draft, char sign, const uint8_t *by
 {
     switch (sign) {
     case '#':
-        dg_words_add_code(draft, number_of(bytes, n), (unsigned)(2u * n));
+        dg_words_add_code(draft, bytes_number_of(bytes, n), (unsigned)(2u * n));
         break;
     case '@':
-        dg_text_add_number(&draft->text, number_of(bytes, n));
+        dg_text_add_number(&draft->text, bytes_number_of(bytes, n));
         break;
     case '%':
-        dg_text_add_number(&draft->text, (int16_t)number_of(bytes, n));
+        dg_text_add_number(&draft->text, (int16_t)bytes_number_of(bytes, n));
         break;
     default:
         add_ascii(&draft->text, bytes, n);
@@ -212,7 +212,7 @@ static const char *error_text(uint8_t code)
     return "unknown";
 }
 
-static const struct command *find_command(uint8_t code)
+static const struct command *find_words(uint8_t code)
 {
     for (size_t i = 0; i < DG_COUNT(commands); i++) {
         if (commands[i].code == code) {
@@ -237,7 +237,7 @@ static void add_status(struct dg_words_draft *draft, uint8_t code)
 
 static void add_command(struct dg_words_draft *draft, bool reply, uint8_t code, struct data data)
 {
-    const struct command *command = find_command(code);
+    const struct command *command = find_words(code);
 
     dg_words_add_code(draft, code, 2);
     dg_text_add(&draft->text, " ");

@@ -90,7 +90,7 @@ const char *dg_host_protocol(const struct dg_host *self)
 
 /* ------------------------------------------------------------ EEPROM */
 
-static int reach(const struct dg_host *self, uint32_t address, size_t n)
+static int check_memory_range(const struct dg_host *self, uint32_t address, size_t n)
 {
     return address <= self->memory_size && n <= self->memory_size - address ? DG_OK : DG_ERR_IO;
 }
@@ -98,7 +98,7 @@ static int reach(const struct dg_host *self, uint32_t address, size_t n)
 static int read_own(void *ctx, uint32_t address, void *to, size_t n)
 {
     const struct dg_host *self = ctx;
-    const int result = reach(self, address, n);
+    const int result = check_memory_range(self, address, n);
 
     if (result == DG_OK) {
         memcpy(to, self->refs.memory + address, n);
@@ -109,7 +109,7 @@ static int read_own(void *ctx, uint32_t address, void *to, size_t n)
 static int write_own(void *ctx, uint32_t address, const void *from, size_t n)
 {
     struct dg_host *self = ctx;
-    const int result = reach(self, address, n);
+    const int result = check_memory_range(self, address, n);
 
     if (result == DG_OK) {
         memcpy(self->refs.memory + address, from, n);
@@ -139,7 +139,7 @@ struct dg_stack_setup dg_host_setup(struct dg_host *self)
 /* ------------------------------------------------------------ power */
 
 /* A memory of the host's may have an image from an earlier life. */
-static int format(struct dg_host *self, const struct dg_stack_setup *setup)
+static int format_memory(struct dg_host *self, const struct dg_stack_setup *setup)
 {
     const struct dg_stack *stack = self->refs.device->stack;
     const bool stores = stack->layout(setup->model) != NULL;
@@ -158,10 +158,10 @@ static int format(struct dg_host *self, const struct dg_stack_setup *setup)
     return stack->format(setup);
 }
 
-static int make(struct dg_host *self)
+static int make_handle(struct dg_host *self)
 {
     const struct dg_stack_setup setup = dg_host_setup(self);
-    const int result = format(self, &setup);
+    const int result = format_memory(self, &setup);
 
     if (result != DG_OK) {
         return result;
@@ -176,7 +176,7 @@ int dg_host_power(struct dg_host *self, uint64_t now, bool on)
 
     dg_host_run(self, now);
     if (!self->made && on) {
-        result = make(self);
+        result = make_handle(self);
         self->made = result == DG_OK;
     }
     if (!self->made) {

@@ -42,7 +42,7 @@ _Static_assert(_Alignof(struct dg_host_panel) <= DG_HOST_ALIGN, "what host.h ask
 
 /* The first half of IN is that of the cycle before: the high word, of a K1 the high byte. IN is
  * told twice: its bytes, and as a number. */
-static void tear(struct dg_host_panel *self, struct dg_host_event *event)
+static void tear_cycle(struct dg_host_panel *self, struct dg_host_event *event)
 {
     uint8_t whole[sizeof self->cycle];
 
@@ -77,7 +77,7 @@ static unsigned arrives(void *ctx, struct dg_host_event *event)
     struct dg_host_panel *self = ctx;
 
     if (event->kind == DG_HOST_WORDS && !self->host->line.on_bus) {
-        tear(self, event);
+        tear_cycle(self, event);
     }
     if (event->kind != DG_HOST_CAN || self->host->line.on_bus) {
         return 1;
@@ -239,7 +239,7 @@ static bool hears(void *ctx, struct dg_host_event *event)
 
 /* The encoder may have taken an edge. A frame is latched by the one that it begins with; its period
  * is known at its rising edges only. */
-static void follow(struct dg_host_panel *self, bool raw)
+static void follow_clock(struct dg_host_panel *self, bool raw)
 {
     const struct dg_host_line *line = &self->host->line;
     const bool clock = self->encoder.instrument->clock(line->device);
@@ -263,7 +263,7 @@ static bool bent(void *ctx, bool raw)
     if (self->host->line.on_bus) {
         return raw;
     }
-    follow(self, raw);
+    follow_clock(self, raw);
     if (!dg_line_fault_due(&self->line)) {
         return raw;
     }
@@ -344,7 +344,7 @@ size_t dg_host_panel_size(void)
     return dg_host_round(sizeof(struct dg_host_panel));
 }
 
-static void build(struct dg_host_panel *self)
+static void build_panel(struct dg_host_panel *self)
 {
     struct dg_host *host = self->host;
 
@@ -385,7 +385,7 @@ struct dg_host_panel *dg_host_panel_init(void *memory, size_t size, struct dg_ho
     memset(self, 0, sizeof *self);
     self->host = host;
     self->instruments[0] = instrument;
-    build(self);
+    build_panel(self);
     const int64_t angle = dg_host_angle(host, host->line.now);
     dg_shaft_init(&self->shaft.shaft);
     (void)dg_shaft_set_position(&self->shaft.shaft, host->line.now, angle);
@@ -437,8 +437,8 @@ int dg_host_fault(const struct dg_host_panel *self, size_t index, struct dg_host
     return DG_HOST_OK;
 }
 
-static int set(struct dg_host_panel *self, const struct dg_fault_target *target, size_t index,
-               bool on)
+static int set_fault(struct dg_host_panel *self, const struct dg_fault_target *target, size_t index,
+                     bool on)
 {
     static const struct dg_fault_limits usual = {.probability_ppm = 1000000, .duration = DG_NEVER};
     struct dg_faults *faults = &self->encoder.faults;
@@ -456,7 +456,7 @@ int dg_host_fault_set(struct dg_host_panel *self, uint64_t now, const char *name
         return DG_HOST_ERR_NAME;
     }
     dg_host_run(self->host, now);
-    const int result = set(self, &target, (size_t)index, on);
+    const int result = set_fault(self, &target, (size_t)index, on);
     feel_controller(self);
     dg_host_run(self->host, now);
     return result;
@@ -465,7 +465,7 @@ int dg_host_fault_set(struct dg_host_panel *self, uint64_t now, const char *name
 /* ------------------------------------------------------------ SCPI */
 
 /* One more than a session takes: it is told that the line is too long, and does none of it. */
-static size_t length_of(const char *line)
+static size_t command_length_of(const char *line)
 {
     size_t n = 0;
 
@@ -475,9 +475,9 @@ static size_t length_of(const char *line)
     return n;
 }
 
-static bool take_line(struct dg_host_panel *self, dg_ns now, const char *line)
+static bool take_panel_line(struct dg_host_panel *self, dg_ns now, const char *line)
 {
-    const size_t n = length_of(line);
+    const size_t n = command_length_of(line);
 
     if (n == 0) {
         return true;
@@ -498,7 +498,7 @@ int dg_host_scpi(struct dg_host_panel *self, uint64_t now, const char *line, cha
     self->size = size - 1u;
     self->cut = false;
     self->used = 0;
-    const bool taken = take_line(self, now, line);
+    const bool taken = take_panel_line(self, now, line);
     (void)dg_control_step(&self->control, now);
     size_t n = self->used;
     n -= n > 0 && answer[n - 1u] == '\n' ? 1u : 0u;

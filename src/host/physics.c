@@ -11,7 +11,7 @@
  * rest of t, and of the rate, which are below 2^30. Divisions are of signed numbers, and without
  * remainders, for all need the same code; ~x stands for -1 - x, which takes the rest below 0 along.
  */
-static uint64_t turned(int64_t rate, dg_ns from, dg_ns to)
+static uint64_t turned_between(int64_t rate, dg_ns from, dg_ns to)
 {
     const uint64_t t = to - from;
     const uint64_t back = to < from ? UINT64_MAX : 0;
@@ -27,7 +27,7 @@ static uint64_t turned(int64_t rate, dg_ns from, dg_ns to)
 
 static dg_angle angle_in(const struct host_course *course, dg_ns at)
 {
-    return (dg_angle)((uint64_t)course->angle + turned(course->rate, course->at, at));
+    return (dg_angle)((uint64_t)course->angle + turned_between(course->rate, course->at, at));
 }
 
 dg_angle dg_host_own_angle(void *handle, dg_ns at)

@@ -33,7 +33,8 @@ static bool has(const struct dg_host *self, unsigned list, size_t row)
 }
 
 /* @return the row, with its list, or NULL */
-static const struct dg_key *find(const struct dg_host *self, const char *name, unsigned *list)
+static const struct dg_key *find_setting(const struct dg_host *self, const char *name,
+                                         unsigned *list)
 {
     for (*list = 0; *list < LISTS; ++*list) {
         const struct dg_keys *keys = list_of(self, *list);
@@ -79,7 +80,7 @@ int dg_host_key(const struct dg_host *self, size_t index, struct dg_host_key *to
 const char *dg_host_word(const struct dg_host *self, const char *name, size_t index)
 {
     unsigned list = 0;
-    const struct dg_key *key = find(self, name, &list);
+    const struct dg_key *key = find_setting(self, name, &list);
     const bool word = key != NULL && type_of(key) == DG_HOST_KEY_WORD;
 
     return word && index <= (size_t)key->max ? key->words[index] : NULL;
@@ -88,7 +89,7 @@ const char *dg_host_word(const struct dg_host *self, const char *name, size_t in
 int dg_host_set(struct dg_host *self, const char *name, const char *value)
 {
     unsigned list = 0;
-    const struct dg_key *key = find(self, name, &list);
+    const struct dg_key *key = find_setting(self, name, &list);
 
     if (key == NULL) {
         return DG_HOST_ERR_NAME;
@@ -107,7 +108,7 @@ int dg_host_set(struct dg_host *self, const char *name, const char *value)
 int dg_host_get(const struct dg_host *self, const char *name, char *to, size_t size)
 {
     unsigned list = 0;
-    const struct dg_key *key = find(self, name, &list);
+    const struct dg_key *key = find_setting(self, name, &list);
 
     if (key == NULL) {
         return DG_HOST_ERR_NAME;

@@ -54,7 +54,7 @@ static size_t size_in_all(const struct dg_host *self)
     return parts_of(self).end;
 }
 
-static struct header header_of(const struct dg_host *self)
+static struct header host_header_of(const struct dg_host *self)
 {
     const struct host_parts parts = parts_of(self);
     struct header header = {
@@ -107,7 +107,7 @@ static void take_pointers(struct dg_host *self, const struct dg_host *from)
 }
 
 /* Between these two the parts have no pointers and nothing else may be done with them. */
-static void detach(struct dg_host *self)
+static void detach_parts(struct dg_host *self)
 {
     if (self->made) {
         self->refs.device->stack->attach(self->line.device, NULL);
@@ -117,7 +117,7 @@ static void detach(struct dg_host *self)
     }
 }
 
-static void attach(struct dg_host *self)
+static void attach_parts(struct dg_host *self)
 {
     const struct dg_stack_setup setup = dg_host_setup(self);
 
@@ -130,7 +130,7 @@ static void attach(struct dg_host *self)
 
 int dg_host_save(struct dg_host *self, void *to, size_t n)
 {
-    struct header header = header_of(self);
+    struct header header = host_header_of(self);
     const struct dg_host kept = *self;
     const size_t size = size_in_all(self);
     uint8_t *body = (uint8_t *)to + sizeof header;
@@ -138,11 +138,11 @@ int dg_host_save(struct dg_host *self, void *to, size_t n)
     if (n < dg_host_state_size(self)) {
         return DG_HOST_ERR_SPACE;
     }
-    detach(self);
+    detach_parts(self);
     drop_pointers(self);
     memcpy(body, self, size);
     take_pointers(self, &kept);
-    attach(self);
+    attach_parts(self);
     header.sum = dg_crc32(0, body, size);
     memcpy(to, &header, sizeof header);
     return DG_HOST_OK;
@@ -154,7 +154,7 @@ int dg_host_save(struct dg_host *self, void *to, size_t n)
  * handle or its device goes by is looked at before one of them is there.
  */
 
-static bool in_range(const struct dg_stack_range *row, const uint8_t *base)
+static bool are_members_in_range(const struct dg_stack_range *row, const uint8_t *base)
 {
     bool good = true;
 
@@ -178,7 +178,7 @@ static bool all_in_range(const struct dg_stack_range *rows, size_t count, const 
     bool good = true;
 
     for (size_t i = 0; i < count; i++) {
-        good = good && in_range(&rows[i], base);
+        good = good && are_members_in_range(&rows[i], base);
     }
     return good;
 }
@@ -270,7 +270,7 @@ static bool handle_fits(const struct dg_host *self, const uint8_t *body)
            queues_fit(self, body + dg_host_round(sizeof state), state.line.part);
 }
 
-static bool is_sound(const struct dg_host *self, const uint8_t *body)
+static bool is_handle_sound(const struct dg_host *self, const uint8_t *body)
 {
     const struct dg_stack_check *check = self->refs.wire->state;
     const struct host_parts parts = parts_of(self);
@@ -289,7 +289,7 @@ static bool is_sound(const struct dg_host *self, const uint8_t *body)
 int dg_host_restore(struct dg_host *self, const void *from, size_t n)
 {
     const uint8_t *body = (const uint8_t *)from + sizeof(struct header);
-    const struct header mine = header_of(self);
+    const struct header mine = host_header_of(self);
     const size_t size = size_in_all(self);
     struct header header;
     struct dg_host state;
@@ -301,13 +301,13 @@ int dg_host_restore(struct dg_host *self, const void *from, size_t n)
     if (memcmp(&header, &mine, offsetof(struct header, sum)) != 0) {
         return DG_HOST_ERR_OTHER;
     }
-    if (header.sum != dg_crc32(0, body, size) || !is_sound(self, body)) {
+    if (header.sum != dg_crc32(0, body, size) || !is_handle_sound(self, body)) {
         return DG_HOST_ERR_DAMAGED;
     }
     memcpy(&state, body, sizeof state);
     take_pointers(&state, self);
     memcpy(self, body, size);
     *self = state;
-    attach(self);
+    attach_parts(self);
     return DG_HOST_OK;
 }

@@ -12,7 +12,7 @@
 
 /* ------------------------------------------------------------ queues */
 
-static struct dg_host_event *head_of(struct host_queue *queue)
+static struct dg_host_event *first_event_of(struct host_queue *queue)
 {
     return queue->count != 0 ? &queue->event[queue->first] : NULL;
 }
@@ -23,7 +23,7 @@ static void drop_head(struct host_queue *queue)
     queue->count--;
 }
 
-static void append(struct host_queue *queue, const struct dg_host_event *event)
+static void append_event(struct host_queue *queue, const struct dg_host_event *event)
 {
     queue->event[(queue->first + queue->count) % DG_HOST_QUEUE] = *event;
     queue->count++;
@@ -40,7 +40,7 @@ void dg_host_deliver(struct dg_host *self, const struct dg_host_event *event)
         self->lost++;
         self->untold = true;
     } else {
-        append(&queues->out, event);
+        append_event(&queues->out, event);
     }
 }
 
@@ -61,7 +61,7 @@ void dg_host_emit(struct dg_host_line *line, const struct dg_host_event *event)
 int dg_host_receive(struct dg_host *self, struct dg_host_event *to)
 {
     struct host_queues *queues = self->refs.queues;
-    const struct dg_host_event *event = queues != NULL ? head_of(&queues->out) : NULL;
+    const struct dg_host_event *event = queues != NULL ? first_event_of(&queues->out) : NULL;
 
     if (event == NULL) {
         const bool untold = self->untold;
@@ -116,7 +116,7 @@ int dg_host_send(struct dg_host *self, const struct dg_host_event *event)
     if (queues->in.count == DG_HOST_QUEUE) {
         return DG_HOST_ERR_SPACE;
     }
-    append(&queues->in, event);
+    append_event(&queues->in, event);
     return DG_HOST_OK;
 }
 
@@ -127,7 +127,7 @@ static dg_ns due_in(const struct dg_host *self)
 {
     struct host_queues *queues = self->refs.queues;
     const struct dg_host_wire *wire = self->refs.wire;
-    const struct dg_host_event *event = queues != NULL ? head_of(&queues->in) : NULL;
+    const struct dg_host_event *event = queues != NULL ? first_event_of(&queues->in) : NULL;
 
     if (event == NULL) {
         return DG_NEVER;

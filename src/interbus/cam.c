@@ -8,7 +8,7 @@
 #define SHIFTED_MASK 0x1FFFFu
 
 /* I15: on <= off is a stretch, on > off leads through zero, on == off is empty. */
-static bool is_on(const struct dg_ib_program *program, uint8_t cam, uint32_t position)
+static bool is_cam_on(const struct dg_ib_program *program, uint8_t cam, uint32_t position)
 {
     uint32_t on = program->on[cam];
     uint32_t off = program->off[cam];
@@ -24,7 +24,7 @@ uint32_t dg_ib_cam_word(const struct dg_ib *self, dg_angle angle)
     uint32_t cams = 0;
 
     for (uint8_t i = 0; i < DG_IB_CAMS; i++) {
-        cams |= (is_on(program, i, position) ? 1u : 0u) << i;
+        cams |= (is_cam_on(program, i, position) ? 1u : 0u) << i;
     }
     return (position >> self->shift_iw & SHIFTED_MASK) << 8 | (cams & given);
 }
@@ -49,7 +49,8 @@ uint32_t dg_ib_set_program(struct dg_ib *self, dg_ns now, uint32_t word)
     return word | IB_ANSWER_BITS;
 }
 
-static uint32_t replace(struct dg_ib *self, const struct dg_ib_program *program, uint32_t word)
+static uint32_t replace_program(struct dg_ib *self, const struct dg_ib_program *program,
+                                uint32_t word)
 {
     if (!dg_ib_put_program(self, program)) {
         return DG_IB_LOST;
@@ -67,7 +68,7 @@ uint32_t dg_ib_set_mask(struct dg_ib *self, dg_ns now, uint32_t word)
         return DG_IB_UNKNOWN_CODE;
     }
     program.mask = (uint8_t)word;
-    return replace(self, &program, word);
+    return replace_program(self, &program, word);
 }
 
 uint32_t dg_ib_set_edge(struct dg_ib *self, dg_ns now, uint32_t word)
@@ -86,7 +87,7 @@ uint32_t dg_ib_set_edge(struct dg_ib *self, dg_ns now, uint32_t word)
     }
     (off ? program.off : program.on)[cam] = position;
     *(off ? &program.off_given : &program.on_given) |= (uint8_t)(1u << cam);
-    return replace(self, &program, word);
+    return replace_program(self, &program, word);
 }
 
 uint32_t dg_ib_set_shift_iw(struct dg_ib *self, dg_ns now, uint32_t word)

@@ -66,7 +66,7 @@ void dg_ib_sample(struct dg_ib *self, uint32_t out)
     self->wait = row != NULL && row->at_once ? 1 : self->setup.model->param_cycles;
 }
 
-static void conclude(struct dg_ib *self, uint32_t result)
+static void conclude_command(struct dg_ib *self, uint32_t result)
 {
     if (self->item != 0) { /* the read-out's own error is shown by the item */
         self->answer = is_error(self->answer) ? 0 : self->answer;
@@ -97,6 +97,6 @@ void dg_ib_execute(struct dg_ib *self, dg_ns now)
         self->last_command = word;
     }
     if (result != IB_IGNORED) {
-        conclude(self, result);
+        conclude_command(self, result);
     }
 }

@@ -59,7 +59,7 @@ int dg_ib_init(struct dg_ib *self, const struct dg_ib_setup *setup)
 }
 
 /* Everything that does not survive without power. */
-static void forget(struct dg_ib *self, dg_ns now)
+static void forget_commands(struct dg_ib *self, dg_ns now)
 {
     const struct dg_ib before = *self;
 
@@ -82,7 +82,7 @@ static void forget(struct dg_ib *self, dg_ns now)
 
 int dg_ib_power_on(struct dg_ib *self, dg_ns now)
 {
-    forget(self, now);
+    forget_commands(self, now);
     if (self->setup.model->profile == DG_IB_K3) {
         const int result = self->setup.world->eeprom_acknowledges
                                ? dg_ib_mount(&self->store, self->setup.model, self->setup.nvm)
@@ -102,7 +102,7 @@ void dg_ib_power_off(struct dg_ib *self)
     self->powered = false;
 }
 
-static void count_time(struct dg_ib *self, dg_ns now)
+static void count_tens_of_minutes(struct dg_ib *self, dg_ns now)
 {
     dg_ns passed = dg_elapsed(now, self->time_mark);
 
@@ -143,7 +143,7 @@ static void hold_preset(struct dg_ib *self, dg_ns now)
 }
 
 /* What a K3 shows in operation. */
-static uint32_t operation(const struct dg_ib *self, const struct ib_latch *latch)
+static uint32_t operation_word_of(const struct dg_ib *self, const struct ib_latch *latch)
 {
     uint32_t word;
 
@@ -161,7 +161,7 @@ static uint32_t operation(const struct dg_ib *self, const struct ib_latch *latch
 
 static uint32_t cycle_k3(struct dg_ib *self, dg_ns now, uint32_t out, const struct ib_latch *latch)
 {
-    count_time(self, now);
+    count_tens_of_minutes(self, now);
     if (now < self->ready_at) {
         return DG_IB_READ_OUT; /* I18: self-test */
     }
@@ -175,7 +175,7 @@ static uint32_t cycle_k3(struct dg_ib *self, dg_ns now, uint32_t out, const stru
     if (self->item != 0) {
         return dg_ib_item(self);
     }
-    return self->answer != 0 ? self->answer : operation(self, latch);
+    return self->answer != 0 ? self->answer : operation_word_of(self, latch);
 }
 
 void dg_ib_cycle(struct dg_ib *self, dg_ns now, uint32_t out, uint32_t *in)

@@ -15,7 +15,7 @@ static bool is_k3(const struct dg_ib *device)
 }
 
 /* What a K3 shows in operation, when nothing lies over it. */
-static const char *operation(const struct dg_ib *device)
+static const char *operation_name_of(const struct dg_ib *device)
 {
     static const char *const modes[DG_IB_CAM + DG_IB_PROGRAMS + 1u] = {
         [DG_IB_POSITION_K2] = "position", [DG_IB_POSITION] = "position", [DG_IB_SPEED] = "speed",
@@ -40,7 +40,7 @@ static const char *mode(const void *self, dg_ns now)
     if (device->item != 0) {
         return "read-out";
     }
-    return device->answer != 0 ? "parameter" : operation(device);
+    return device->answer != 0 ? "parameter" : operation_name_of(device);
 }
 
 static void put_leds(uint8_t leds, struct dg_scpi *to)

@@ -139,7 +139,7 @@ int dg_ib_mount(struct dg_store *self, const struct dg_ib_model *model, struct d
 }
 
 /* A region as it is stored; lost, its delivery state. */
-static void load(struct dg_ib *self, uint8_t region, uint8_t *to)
+static void load_or_default(struct dg_ib *self, uint8_t region, uint8_t *to)
 {
     const struct dg_store_region *row = &regions[region];
 
@@ -154,7 +154,7 @@ static uint32_t load_u32(struct dg_ib *self, uint8_t region)
 {
     uint8_t bytes[4];
 
-    load(self, region, bytes);
+    load_or_default(self, region, bytes);
     return dg_load_be32(bytes);
 }
 
@@ -163,7 +163,7 @@ static uint8_t load_u8(struct dg_ib *self, uint8_t region, uint8_t low, uint8_t 
 {
     uint8_t byte;
 
-    load(self, region, &byte);
+    load_or_default(self, region, &byte);
     if (byte < low || byte > high) {
         regions[region].defaults(self->setup.model, &byte);
         self->lost |= IB_REGION_BIT(region);
@@ -197,7 +197,7 @@ void dg_ib_load(struct dg_ib *self)
     self->lost = 0;
     load_scale(self);
     self->direction = load_u8(self, DG_IB_REGION_DIRECTION, IB_CLOCKWISE, IB_COUNTERCLOCKWISE);
-    load(self, DG_IB_REGION_PRESET, bytes);
+    load_or_default(self, DG_IB_REGION_PRESET, bytes);
     self->preset = dg_load_be32(&bytes[0]) & DG_IB_DATA_MASK;
     self->offset = dg_load_be32(&bytes[4]) & DG_IB_DATA_MASK;
     self->preset_flag = bytes[8] != 0;
@@ -223,7 +223,7 @@ void dg_ib_load_program(struct dg_ib *self, uint8_t number, struct dg_ib_program
 {
     uint8_t bytes[IB_CAMS_SIZE];
 
-    load(self, (uint8_t)(DG_IB_REGION_CAMS + number - 1u), bytes);
+    load_or_default(self, (uint8_t)(DG_IB_REGION_CAMS + number - 1u), bytes);
     memset(out, 0, sizeof *out); /* also its padding: devices in one state are the same bytes */
     out->mask = bytes[0];
     out->on_given = bytes[1];

@@ -24,7 +24,7 @@ static uint32_t data_of(uint32_t word)
     return word & DG_IB_DATA_MASK;
 }
 
-static uint32_t answer(bool stored, uint32_t word)
+static uint32_t answer_command(bool stored, uint32_t word)
 {
     return stored ? word | IB_ANSWER_BITS : DG_IB_LOST;
 }
@@ -46,11 +46,11 @@ static uint32_t wait_for_release(struct dg_ib *self, unsigned bit, uint32_t word
 {
     self->sent.waits |= (uint8_t)bit;
     self->sent.judged |= (uint8_t)bit;
-    return answer(true, word);
+    return answer_command(true, word);
 }
 
 /* What was sent, and what is in force where nothing was. */
-static struct dg_ib_sent complete(const struct dg_ib *self)
+static struct dg_ib_sent complete_pair(const struct dg_ib *self)
 {
     struct dg_ib_sent all = self->sent;
 
@@ -61,7 +61,7 @@ static struct dg_ib_sent complete(const struct dg_ib *self)
     return all;
 }
 
-static bool allowed(const struct dg_ib_model *model, const struct dg_ib_sent *all)
+static bool are_parameters_allowed(const struct dg_ib_model *model, const struct dg_ib_sent *all)
 {
     if (!dg_ib_fits(model, all->steps, all->revolutions)) {
         return false;
@@ -73,7 +73,7 @@ static bool allowed(const struct dg_ib_model *model, const struct dg_ib_sent *al
 
 uint32_t dg_ib_release(struct dg_ib *self, dg_ns now, uint32_t word)
 {
-    const struct dg_ib_sent all = complete(self);
+    const struct dg_ib_sent all = complete_pair(self);
 
     (void)now;
     (void)word;
@@ -82,7 +82,7 @@ uint32_t dg_ib_release(struct dg_ib *self, dg_ns now, uint32_t word)
     if (!pair_waits(&all)) {
         return IB_ACCEPTED;
     }
-    if (!allowed(self->setup.model, &all)) {
+    if (!are_parameters_allowed(self->setup.model, &all)) {
         return DG_IB_ILLEGAL_DATA;
     }
     return dg_ib_put_sent(self, &all) ? IB_ACCEPTED : DG_IB_LOST;
@@ -159,7 +159,7 @@ uint32_t dg_ib_set_direction(struct dg_ib *self, dg_ns now, uint32_t word)
     }
     bool stored = dg_ib_put_u8(self, DG_IB_REGION_DIRECTION, (uint8_t)direction);
     self->direction = stored ? (uint8_t)direction : self->direction;
-    return answer(stored, word);
+    return answer_command(stored, word);
 }
 
 uint32_t dg_ib_set_preset(struct dg_ib *self, dg_ns now, uint32_t word)
@@ -180,7 +180,7 @@ uint32_t dg_ib_set_preset(struct dg_ib *self, dg_ns now, uint32_t word)
     self->preset = preset;
     self->preset_flag = true;
     self->sent.judged |= PRESET_BIT;
-    return answer(true, word);
+    return answer_command(true, word);
 }
 
 uint32_t dg_ib_set_shift(struct dg_ib *self, dg_ns now, uint32_t word)
@@ -200,7 +200,7 @@ uint32_t dg_ib_set_shift(struct dg_ib *self, dg_ns now, uint32_t word)
     }
     self->shift = shift;
     self->sent.judged |= SHIFT_BIT;
-    return answer(true, word);
+    return answer_command(true, word);
 }
 
 uint32_t dg_ib_set_defaults(struct dg_ib *self, dg_ns now, uint32_t word)
@@ -213,7 +213,7 @@ uint32_t dg_ib_set_defaults(struct dg_ib *self, dg_ns now, uint32_t word)
         return DG_IB_LOST;
     }
     self->sent = (struct dg_ib_sent){0};
-    return answer(true, word);
+    return answer_command(true, word);
 }
 
 uint32_t dg_ib_set_mode(struct dg_ib *self, dg_ns now, uint32_t word)
@@ -223,5 +223,5 @@ uint32_t dg_ib_set_mode(struct dg_ib *self, dg_ns now, uint32_t word)
     (void)now;
     bool stored = dg_ib_put_u8(self, DG_IB_REGION_MODE, mode);
     self->mode = stored ? mode : self->mode;
-    return answer(stored, word);
+    return answer_command(stored, word);
 }

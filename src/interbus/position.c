@@ -38,7 +38,7 @@ uint32_t dg_ib_range(const struct dg_ib *self)
 }
 
 /* @param range R. @return 0 .. R - 1 */
-static inline uint32_t scaled(const struct dg_ib *self, dg_angle angle, uint32_t *range)
+static inline uint32_t scale_angle(const struct dg_ib *self, dg_angle angle, uint32_t *range)
 {
     const struct dg_ib_model *model = self->setup.model;
     const uint32_t counts = (uint32_t)model->steps * model->turns;
@@ -66,7 +66,7 @@ static inline uint32_t scaled(const struct dg_ib *self, dg_angle angle, uint32_t
 uint32_t dg_ib_position_at(const struct dg_ib *self, dg_angle angle)
 {
     uint32_t range;
-    const uint32_t at = scaled(self, angle, &range);
+    const uint32_t at = scale_angle(self, angle, &range);
 
     return (at + self->offset + self->shift) % range;
 }
@@ -79,7 +79,7 @@ uint32_t dg_ib_position(const struct dg_ib *self, dg_ns now)
 uint32_t dg_ib_preset_offset(const struct dg_ib *self, dg_ns now)
 {
     uint32_t range;
-    const uint32_t at = scaled(self, dg_world_angle(self->setup.world, now), &range);
+    const uint32_t at = scale_angle(self, dg_world_angle(self->setup.world, now), &range);
     const uint32_t without = (at + self->shift) % range;
 
     return (self->preset % range + range - without) % range;

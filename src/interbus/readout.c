@@ -33,7 +33,7 @@ static uint32_t preset(const struct dg_ib *self)
     return self->preset;
 }
 
-static uint32_t shift(const struct dg_ib *self)
+static uint32_t shift_readout(const struct dg_ib *self)
 {
     return self->shift;
 }
@@ -75,7 +75,7 @@ static uint32_t temperature(const struct dg_ib *self)
 
 static uint32_t (*const items[])(const struct dg_ib *self) = {
     [0x0] = serial,     [0x1] = steps,         [0x2] = revolutions, [0x3] = direction,
-    [0x4] = preset,     [0x5] = shift,         [0x6] = preset_flag, [0x7] = version,
+    [0x4] = preset,     [0x5] = shift_readout, [0x6] = preset_flag, [0x7] = version,
     [0x8] = time_10min, [0x9] = start_up_mode, [0xA] = flags,       [0xC] = temperature,
 };
 #define ITEMS DG_COUNT(items)

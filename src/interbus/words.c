@@ -39,7 +39,7 @@ struct image {
     size_t count;
 };
 
-static bool has_changed(const struct image *self, size_t i)
+static bool has_word_changed(const struct image *self, size_t i)
 {
     return self->before == NULL || self->words[i] != self->before[i];
 }
@@ -52,7 +52,7 @@ static bool add_changes(struct dg_words_draft *draft, const struct image *image)
     bool run = false;
 
     for (size_t i = 0; i < image->count; i++) {
-        const bool differs = has_changed(image, i);
+        const bool differs = has_word_changed(image, i);
 
         if (differs && !run) {
             dg_text_add(text, text->length > 0 ? " " : "");
@@ -71,7 +71,7 @@ static bool add_changes(struct dg_words_draft *draft, const struct image *image)
     return changed;
 }
 
-static enum dg_severity severity_of(uint16_t high)
+static enum dg_severity word_severity_of(uint16_t high)
 {
     const unsigned status = high & STATUS_MASK;
 
@@ -94,8 +94,8 @@ static void judge_devices(struct dg_words_draft *draft, const struct image *in,
     for (size_t i = 0; at < in->count; at += widths[i], i++) {
         const bool whole = widths[i] == STATUS_WIDTH && at + 1u < in->count;
 
-        if (whole && (has_changed(in, at) || has_changed(in, at + 1u))) {
-            dg_words_judge(draft, severity_of(in->words[at]));
+        if (whole && (has_word_changed(in, at) || has_word_changed(in, at + 1u))) {
+            dg_words_judge(draft, word_severity_of(in->words[at]));
         }
     }
 }

@@ -276,7 +276,7 @@ static bool points_in_range(const struct dg_motion *self)
     return true;
 }
 
-static bool in_range(const struct dg_motion *self)
+static bool is_motion_in_range(const struct dg_motion *self)
 {
     switch (self->kind) {
     case DG_MOTION_STANDSTILL:
@@ -298,7 +298,7 @@ static bool in_range(const struct dg_motion *self)
 
 int dg_motion_set(struct dg_motion *self, const struct dg_motion *wanted)
 {
-    if (!in_range(wanted)) {
+    if (!is_motion_in_range(wanted)) {
         return DG_ERR_ARGUMENT;
     }
     *self = *wanted;

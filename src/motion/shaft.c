@@ -204,7 +204,7 @@ static const struct dg_shaft_course *course_of(const struct dg_shaft *self, dg_n
     return now < self->course.at ? &self->before : &self->course;
 }
 
-static void append(struct dg_shaft_course *self, const struct dg_shaft_phase *phase)
+static void append_phase(struct dg_shaft_course *self, const struct dg_shaft_phase *phase)
 {
     self->phase[self->count] = *phase;
     self->count++;
@@ -212,11 +212,11 @@ static void append(struct dg_shaft_course *self, const struct dg_shaft_phase *ph
 
 static void append_rest(struct dg_shaft_course *self, dg_ns at, dg_angle angle)
 {
-    append(self, &(struct dg_shaft_phase){.at = at, .from = angle});
+    append_phase(self, &(struct dg_shaft_phase){.at = at, .from = angle});
 }
 
 /** Begin a new course. @return where and how fast the shaft is at that moment */
-static struct dg_shaft_phase begin(struct dg_shaft *self, dg_ns now)
+static struct dg_shaft_phase begin_motion(struct dg_shaft *self, dg_ns now)
 {
     const dg_ns at = now > self->course.at ? now : self->course.at;
     struct dg_shaft_phase start =
@@ -263,7 +263,7 @@ static struct dg_shaft_phase append_change(struct dg_shaft_course *self, struct 
     dg_ns time = change_time(dg_motion_exact_magnitude(prpm - from.prpm), accel, &excess);
 
     from.mrpm_per_s = directed(down, accel);
-    append(self, &from);
+    append_phase(self, &from);
 
     struct dg_shaft_phase end = later(&from, time);
 
@@ -288,7 +288,7 @@ static void append_brake(struct dg_shaft_course *self, struct dg_shaft_phase bra
     if (time > 0) {
         travel(&brake, time, -(brake.prpm - directed(backwards, excess)));
         travel(&brake, 1, directed(!backwards, (uint64_t)excess_way(excess, goal->accel)));
-        append(self, &brake);
+        append_phase(self, &brake);
     }
     append_rest(self, dg_after(brake.at, time), goal->target);
 }
@@ -361,7 +361,7 @@ static void append_approach(struct dg_shaft_course *self, const struct dg_shaft_
         .prpm = directed(backwards, gone < top ? top - gone : 0),
     };
 
-    append(self, hold);
+    append_phase(self, hold);
     append_brake(self, brake, goal);
 }
 
@@ -412,7 +412,7 @@ static void append_move_at_once(struct dg_shaft_course *self, const struct dg_sh
 
     hold.prpm = directed(backwards, goal->limit);
     if (time > 0) {
-        append(self, &hold);
+        append_phase(self, &hold);
     }
     append_rest(self, dg_after(hold.at, time), goal->target);
 }
@@ -491,7 +491,7 @@ int dg_shaft_set_position(struct dg_shaft *self, dg_ns now, dg_angle angle)
         self->offset = dg_motion_exact_moved(angle, true, (uint64_t)geared_angle(self, now));
         return DG_OK;
     }
-    const struct dg_shaft_phase start = begin(self, now);
+    const struct dg_shaft_phase start = begin_motion(self, now);
 
     append_rest(&self->course, start.at, angle);
     return DG_OK;
@@ -503,14 +503,14 @@ int dg_shaft_set_velocity(struct dg_shaft *self, dg_ns now, int32_t mrpm)
         mrpm > DG_MOTION_SPEED_MAX_MRPM) {
         return DG_ERR_ARGUMENT;
     }
-    struct dg_shaft_phase phase = begin(self, now);
+    struct dg_shaft_phase phase = begin_motion(self, now);
     const int64_t prpm = (int64_t)mrpm * PRPM_PER_MRPM;
 
     if (self->mrpm_per_s != 0) {
         phase = append_change(&self->course, phase, prpm, (uint64_t)self->mrpm_per_s);
     }
     phase.prpm = prpm;
-    append(&self->course, &phase);
+    append_phase(&self->course, &phase);
     return DG_OK;
 }
 
@@ -519,7 +519,7 @@ int dg_shaft_move(struct dg_shaft *self, dg_ns now, dg_angle target, int32_t mrp
     if (self->driver != NULL || mrpm < 1 || mrpm > DG_MOTION_SPEED_MAX_MRPM) {
         return DG_ERR_ARGUMENT;
     }
-    const struct dg_shaft_phase start = begin(self, now);
+    const struct dg_shaft_phase start = begin_motion(self, now);
     const struct goal goal = {
         .target = target,
         .limit = (uint64_t)mrpm * PRPM_PER_MRPM,
@@ -541,7 +541,7 @@ int dg_shaft_play(struct dg_shaft *self, dg_ns now, const struct dg_motion *moti
     if (self->driver != NULL || dg_motion_set(&accepted, motion) != DG_OK) {
         return DG_ERR_ARGUMENT;
     }
-    (void)begin(self, now);
+    (void)begin_motion(self, now);
     self->course.plays = true;
     self->course.motion = accepted;
     self->course.motion.start = self->course.at;

@@ -74,7 +74,7 @@ size_t dg_engine_room_size(const struct dg_engine_setup *setup, const struct dg_
 }
 
 /* The next `n` bytes behind `at`, which moves on. */
-static void *take_memory(uint8_t **at, size_t n)
+static void *carve_memory(uint8_t **at, size_t n)
 {
     void *here = *at;
 
@@ -100,14 +100,14 @@ void dg_engine_lay_out(struct dg_engine *self, const struct dg_engine_setup *set
     memset(self, 0, lists_size(plan));
     self->setup = *setup;
     self->now = setup->begin;
-    self->shafts = take_memory(&at, plan->shaft_count * sizeof(struct engine_shaft));
-    self->encoders = take_memory(&at, plan->encoder_count * sizeof(struct engine_encoder));
-    self->wires = take_memory(&at, plan->wire_count * sizeof(struct engine_wire));
-    self->control.shafts = take_memory(&at, plan->shaft_count * sizeof(struct dg_rig_shaft *));
-    self->control.encoders = take_memory(&at, plan->encoder_count * sizeof(struct dg_encoder *));
+    self->shafts = carve_memory(&at, plan->shaft_count * sizeof(struct engine_shaft));
+    self->encoders = carve_memory(&at, plan->encoder_count * sizeof(struct engine_encoder));
+    self->wires = carve_memory(&at, plan->wire_count * sizeof(struct engine_wire));
+    self->control.shafts = carve_memory(&at, plan->shaft_count * sizeof(struct dg_rig_shaft *));
+    self->control.encoders = carve_memory(&at, plan->encoder_count * sizeof(struct dg_encoder *));
     self->handles = at;
     for (size_t i = 0; i < plan->encoder_count; i++) {
-        (void)take_memory(&at, dg_engine_handle_size(setup, plan->encoders[i].model));
+        (void)carve_memory(&at, dg_engine_handle_size(setup, plan->encoders[i].model));
     }
     self->buses = at;
 }

@@ -44,7 +44,7 @@ static int find_motion(const struct dg_engine *self, size_t index, struct dg_mot
 }
 
 /* Encoders look back for their speed: before, the shaft has always been where its motion begins. */
-static int begin_motion(struct dg_engine *self, size_t index, struct dg_plan_error *error)
+static int begin_shaft_motion(struct dg_engine *self, size_t index, struct dg_plan_error *error)
 {
     const struct dg_plan_shaft *row = &self->setup.plan->shafts[index];
     struct engine_shaft *shaft = &self->shafts[index];
@@ -74,7 +74,7 @@ static int make_shafts(struct dg_engine *self, struct dg_plan_error *error)
         self->control.shafts[i] = shaft;
         dg_shaft_init(&shaft->shaft);
         result = couple_shaft(self, i, error);
-        result = result == 0 ? begin_motion(self, i, error) : result;
+        result = result == 0 ? begin_shaft_motion(self, i, error) : result;
     }
     return result;
 }
@@ -117,7 +117,7 @@ static const struct dg_instrument *instrument_of(const struct dg_engine *self,
 }
 
 /* A handle that sits on its shaft, and what the control plane sees of it. */
-static void place_encoder(struct dg_engine *self, size_t index, uint8_t *memory)
+static void place_handle(struct dg_engine *self, size_t index, uint8_t *memory)
 {
     const struct dg_plan_encoder *row = &self->setup.plan->encoders[index];
     struct engine_encoder *encoder = &self->encoders[index];
@@ -140,7 +140,7 @@ static void place_encoder(struct dg_engine *self, size_t index, uint8_t *memory)
 }
 
 /* Those of each wire in the order of the plan. */
-static void gather(struct dg_engine *self)
+static void gather_encoders(struct dg_engine *self)
 {
     uint8_t *memory = self->handles;
 
@@ -150,7 +150,7 @@ static void gather(struct dg_engine *self)
     for (size_t i = 0; i < self->setup.plan->encoder_count; i++) {
         const struct dg_plan_encoder *row = &self->setup.plan->encoders[i];
         struct engine_wire *wire = &self->wires[row->wire];
-        place_encoder(self, i, memory);
+        place_handle(self, i, memory);
         memory += dg_engine_handle_size(&self->setup, row->model);
         self->encoders[i].next = ENGINE_NOBODY;
         if (wire->first == ENGINE_NOBODY) {
@@ -229,7 +229,7 @@ static int make_bus(struct engine_wire *wire, void *memory)
     return wire->bus != NULL ? 0 : -1;
 }
 
-static int refuse_place(const struct dg_engine *self, size_t index, struct dg_plan_error *error)
+static int refuse_full_wire(const struct dg_engine *self, size_t index, struct dg_plan_error *error)
 {
     const struct dg_plan_encoder *row = &self->setup.plan->encoders[index];
     const size_t place = self->encoders[index].place;
@@ -253,7 +253,7 @@ static int attach_all(struct dg_engine *self, const struct engine_wire *wire,
         const struct dg_characters_end end = {.any_line = encoder->end.any_line,
                                               .at_once = !encoder->end.pace};
         if (dg_bus_attach(wire->bus, encoder->host, controlled ? &encoder->control : NULL) < 0) {
-            return refuse_place(self, i, error);
+            return refuse_full_wire(self, i, error);
         }
         if (wire->is.plan->stack->medium == DG_MEDIUM_CHARACTERS) {
             dg_bus_characters_set(wire->bus, encoder->place, &end);
@@ -363,7 +363,7 @@ struct dg_engine *dg_engine_make(void *memory, size_t size, const struct dg_engi
     }
     dg_engine_lay_out(self, setup);
     make_control(self);
-    gather(self);
+    gather_encoders(self);
     return make_shafts(self, error) == 0 && make_wires(self, error) == 0 &&
                    dg_engine_begin_courses(self, error) == 0
                ? self

@@ -15,7 +15,7 @@ static const struct engine_encoder *view_of(const struct dg_encoder *encoder)
     return encoder->host;
 }
 
-static int refuse(enum dg_scpi_error code, char *detail, const char *text)
+static int refuse_operation(enum dg_scpi_error code, char *detail, const char *text)
 {
     struct dg_text to = dg_text_in(detail, DG_SCPI_DETAIL_MAX + 1u);
 
@@ -23,7 +23,7 @@ static int refuse(enum dg_scpi_error code, char *detail, const char *text)
     return code;
 }
 
-static void wake(const struct dg_engine *self)
+static void wake_host(const struct dg_engine *self)
 {
     if (self->setup.woken != NULL) {
         self->setup.woken(self->setup.ctx);
@@ -52,7 +52,7 @@ static void changed(struct dg_rig *control, struct dg_encoder *encoder, dg_ns no
     if (encoder != NULL) {
         change_encoder(self, encoder, now);
     }
-    wake(self);
+    wake_host(self);
 }
 
 /* "can:vcan0/5": the address of the wire and, where there is one, of the encoder on it. */
@@ -175,7 +175,7 @@ static void turned(struct dg_rig *control, struct dg_rig_shaft *shaft, dg_ns now
             change_encoder(engine_of(control), control->encoders[i], now);
         }
     }
-    wake(engine_of(control));
+    wake_host(engine_of(control));
 }
 
 /* What was wrong with a motion and, if there is room, what would be right: that is always said. */
@@ -185,7 +185,8 @@ static int refuse_words(const struct dg_plan_error *error, char *detail)
     struct dg_text text = dg_text_in(line, sizeof line);
 
     dg_plan_add(&text, RIG_SAY(error->what, "; ", error->right));
-    return refuse(DG_SCPI_ILLEGAL, detail, text.length > DG_SCPI_DETAIL_MAX ? error->what : line);
+    return refuse_operation(DG_SCPI_ILLEGAL, detail,
+                            text.length > DG_SCPI_DETAIL_MAX ? error->what : line);
 }
 
 static int profile(struct dg_rig *control, struct dg_rig_shaft *shaft, dg_ns now, const char *text,
@@ -197,10 +198,10 @@ static int profile(struct dg_rig *control, struct dg_rig_shaft *shaft, dg_ns now
 
     (void)control;
     if (shaft->shaft.driver != NULL) {
-        return refuse(DG_SCPI_CONFLICT, detail, "geared; its driver turns it");
+        return refuse_operation(DG_SCPI_CONFLICT, detail, "geared; its driver turns it");
     }
     if (dg_motion_is_file(text)) {
-        return refuse(DG_SCPI_FILE_NAME, detail, "there are no files here");
+        return refuse_operation(DG_SCPI_FILE_NAME, detail, "there are no files here");
     }
     if (dg_motion_read(&motion, text, &error) != DG_OK) {
         return refuse_words(&error, detail);

@@ -70,7 +70,7 @@ struct list {
 };
 
 /* Serial number and address have words of their own in a rig file. */
-static uint32_t apart(const struct dg_host_wire *wire)
+static uint32_t separate_keys_of(const struct dg_host_wire *wire)
 {
     const struct dg_key *rows[] = {dg_keys_find(wire->keys, SERIAL), NULL};
     uint32_t bits = 0;
@@ -98,7 +98,8 @@ static void list_rows(struct dg_engine *self, size_t index, struct list lists[LI
             self->setup.rows(self->setup.ctx, index, settings, &lists[OF_HOST].keys);
     }
     lists[OF_ENCODER] = (struct list){.keys = *wire->keys, .base = settings};
-    lists[OF_ENCODER].without = apart(wire) | (wire->without != NULL ? wire->without(settings) : 0);
+    lists[OF_ENCODER].without =
+        separate_keys_of(wire) | (wire->without != NULL ? wire->without(settings) : 0);
     lists[OF_WORLD] = (struct list){
         .keys = dg_world_keys, .base = dg_host_world(encoder->host), .without = wire->blind};
 }
@@ -108,7 +109,7 @@ static bool has_row(const struct list *self, size_t row)
     return row >= 32u || (self->without >> row & 1u) == 0;
 }
 
-static const struct dg_key *find_row(const struct list lists[LISTS], const char *name, void **base)
+static const struct dg_key *find_key(const struct list lists[LISTS], const char *name, void **base)
 {
     for (size_t i = 0; i < LISTS; i++) {
         const struct dg_key *row =
@@ -177,8 +178,9 @@ static void list_names(const struct list lists[LISTS], struct dg_text *to)
 }
 
 /* A key of another kind of wire, or of none: whoever mistyped one finds it in the list. */
-static int refuse_name(const struct dg_engine *self, size_t index, const struct list lists[LISTS],
-                       const char *name, struct dg_plan_error *error)
+static int refuse_setting_name(const struct dg_engine *self, size_t index,
+                               const struct list lists[LISTS], const char *name,
+                               struct dg_plan_error *error)
 {
     const struct dg_plan_wire *wire =
         &self->setup.plan->wires[self->setup.plan->encoders[index].wire];
@@ -219,10 +221,10 @@ static int set_one(const struct dg_engine *self, size_t index, const struct list
                    const struct dg_plan_setting *setting, struct dg_plan_error *error)
 {
     void *base = NULL;
-    const struct dg_key *row = find_row(lists, setting->key, &base);
+    const struct dg_key *row = find_key(lists, setting->key, &base);
 
     if (row == NULL) {
-        return refuse_name(self, index, lists, setting->key, error);
+        return refuse_setting_name(self, index, lists, setting->key, error);
     }
     return base == lists[OF_WORLD].base && dg_course_is(setting->value)
                ? check_course(self, setting->value, error)
@@ -392,7 +394,7 @@ static const struct {
     {&dg_plan_simulation_usual, LINE(simulation)},
 };
 
-static void *place_of(struct dg_engine_line *line, const struct dg_plan_wire_kind *kind)
+static void *settings_place_of(struct dg_engine_line *line, const struct dg_plan_wire_kind *kind)
 {
     size_t i = DG_COUNT(places) - 1u;
 
@@ -412,9 +414,10 @@ int dg_engine_line_read(const struct dg_plan *plan, const struct dg_plan_wire *w
     for (size_t i = 0; result == 0 && i < wire->settings.count; i++) {
         const struct dg_plan_setting *setting = &wire->settings.list[i];
         const struct dg_key *row = keys == NULL ? NULL : dg_keys_find(keys, setting->key);
-        result = row != NULL ? set_value(row, place_of(line, wire->kind), setting->value, error)
-                             : dg_plan_refuse(error, RIG_SAY("leave it out"),
-                                              RIG_SAY("the wire has no such key"));
+        result = row != NULL
+                     ? set_value(row, settings_place_of(line, wire->kind), setting->value, error)
+                     : dg_plan_refuse(error, RIG_SAY("leave it out"),
+                                      RIG_SAY("the wire has no such key"));
         if (result != 0) {
             (void)refuse_setting(plan, setting, error);
         }

@@ -35,7 +35,7 @@ static size_t address_length(const char *text)
 }
 
 /* @return false: they are no such words */
-static bool take_words(const char *words, struct dg_access_words *to)
+static bool take_access_words(const char *words, struct dg_access_words *to)
 {
     if (dg_plan_begins(words, OPEN_WORD)) {
         to->open = true;
@@ -73,17 +73,17 @@ static bool is_host_port(const char *text, size_t n)
 }
 
 /* What is behind the prefix, with its length; 0: nothing, or another prefix. */
-static size_t behind(const char *text, size_t n, const char *prefix)
+static size_t length_after(const char *text, size_t n, const char *prefix)
 {
     const size_t length = dg_plan_length(prefix);
 
     return n > length && dg_plan_begins(text, prefix) ? n - length : 0;
 }
 
-static int check_where(const char *text, size_t n, struct dg_plan_error *error)
+static int check_access(const char *text, size_t n, struct dg_plan_error *error)
 {
-    const size_t path = behind(text, n, "unix:");
-    const size_t host = behind(text, n, "tcp:");
+    const size_t path = length_after(text, n, "unix:");
+    const size_t host = length_after(text, n, "tcp:");
     const struct rig_cut where = dg_plan_cut(text, n);
 
     if (path > PATH_MAX) {
@@ -103,13 +103,13 @@ int dg_access_read(const char *text, struct dg_access_words *to, struct dg_plan_
     const size_t n = address_length(text);
 
     *to = (struct dg_access_words){.where = n, .tcp = dg_plan_begins(text, "tcp:")};
-    if (n > ADDRESS_MAX || !take_words(text + n, to)) {
+    if (n > ADDRESS_MAX || !take_access_words(text + n, to)) {
         (void)dg_plan_refuse(
             error, NULL,
             RIG_SAY(text, ": expected ADDRESS, ADDRESS,open, ADDRESS,token=FILE or both"));
         return DG_ERR_ARGUMENT;
     }
-    if (check_where(text, n, error) != 0) {
+    if (check_access(text, n, error) != 0) {
         return DG_ERR_ARGUMENT;
     }
     if (to->open && !to->tcp) {

@@ -62,7 +62,7 @@ static bool is_taken_up(const struct dg_plan_wire *self)
 }
 
 /* Paths are one scope, whatever wire is there; other addresses are each kind's own. */
-static struct dg_plan_name place_of(const struct dg_plan_wire *self)
+static struct dg_plan_name wire_place_of(const struct dg_plan_wire *self)
 {
     const uint32_t kind = (uint32_t)(self->kind - dg_plan_wires);
 
@@ -99,7 +99,7 @@ static int take_place(struct rig_reader *in, const struct rig_section *self, int
     if (!is_taken_up(wire)) {
         return 0;
     }
-    struct dg_plan_name place = place_of(wire);
+    struct dg_plan_name place = wire_place_of(wire);
     const int same = dg_plan_names_find(in->plan, &place);
     if (same >= 0) {
         return refuse_place(in, self, &in->plan->wires[same], wire, where);
@@ -160,8 +160,8 @@ int dg_plan_take_trace(struct rig_reader *in, const struct dg_plan_setting *word
 }
 
 /* A bus has only the keys of its kind. */
-static int refuse_key_of(struct rig_reader *in, const struct rig_section *self,
-                         const struct dg_plan_wire_kind *kind, const struct dg_plan_setting *word)
+static int refuse_bus_key(struct rig_reader *in, const struct rig_section *self,
+                          const struct dg_plan_wire_kind *kind, const struct dg_plan_setting *word)
 {
     struct rig_list list;
     size_t own = 0;
@@ -186,14 +186,14 @@ static int take_bus_settings(struct rig_reader *in, const struct rig_section *se
     for (size_t i = 0; i < self->count; i++) {
         const struct dg_plan_setting *word = dg_plan_word_at(self, i);
         if (!dg_plan_kind_has(self->kind, word->key) && !dg_plan_wire_has(of->kind, word->key)) {
-            return refuse_key_of(in, self, of->kind, word);
+            return refuse_bus_key(in, self, of->kind, word);
         }
     }
     return dg_plan_take_settings(in, self, of->kind, true, &of->settings);
 }
 
 /* KIND:ADDRESS is right in [encoder]; here they are two keys. */
-static int check_kind(struct rig_reader *in, const struct dg_plan_setting *word)
+static int check_wire_kind(struct rig_reader *in, const struct dg_plan_setting *word)
 {
     const size_t n = dg_plan_span(word->value, ':');
     const struct rig_cut kind = dg_plan_cut(word->value, n);
@@ -216,7 +216,7 @@ int dg_plan_take_bus(struct rig_reader *in, const struct rig_section *self)
         return dg_plan_wrong_section(in, self, RIG_SAY("expected a wire, for example wire = pty"),
                                      RIG_SAY("without a wire"));
     }
-    if (check_kind(in, word) != 0) {
+    if (check_wire_kind(in, word) != 0) {
         return -1;
     }
     const struct dg_plan_wire_kind *kind = dg_plan_take_kind(in, word, dg_plan_length(word->value));

@@ -4,7 +4,7 @@
 #include "rig_private.h"
 
 /* Characters of the name at the beginning; 0: there is none. */
-static size_t name_of(const char *text)
+static size_t course_name_length(const char *text)
 {
     const size_t n = dg_plan_span(text, ',');
 
@@ -13,10 +13,10 @@ static size_t name_of(const char *text)
 
 bool dg_course_is(const char *text)
 {
-    return name_of(text) > 0;
+    return course_name_length(text) > 0;
 }
 
-static bool take_word(const char *word, struct dg_course_words *to)
+static bool take_course_word(const char *word, struct dg_course_words *to)
 {
     static const char *const words[] = {"once", "loop", "linear", "step"};
     size_t i = 0;
@@ -31,7 +31,7 @@ static bool take_word(const char *word, struct dg_course_words *to)
 
 int dg_course_read(const char *text, struct dg_course_words *to, struct dg_plan_error *error)
 {
-    *to = (struct dg_course_words){.name = name_of(text)};
+    *to = (struct dg_course_words){.name = course_name_length(text)};
     if (to->name == 0) {
         (void)dg_plan_refuse(error, RIG_SAY("expected " DG_COURSE_FORM),
                              RIG_SAY("'", text, "' is no CSV file"));
@@ -43,7 +43,7 @@ int dg_course_read(const char *text, struct dg_course_words *to, struct dg_plan_
             at++;
         }
         const struct rig_cut word = dg_plan_cut(at, dg_plan_span(at, ','));
-        if (!take_word(word.text, to)) {
+        if (!take_course_word(word.text, to)) {
             (void)dg_plan_refuse(error, RIG_SAY("expected " DG_COURSE_FORM),
                                  RIG_SAY("'", word.text, "' is none of the words"));
             return DG_ERR_ARGUMENT;

@@ -105,8 +105,8 @@ static int use_bus(struct rig_reader *in, const struct dg_plan_setting *word,
 }
 
 /* KIND or KIND:ADDRESS. */
-static int make_wire(struct rig_reader *in, const struct rig_section *self,
-                     const struct dg_device *model)
+static int make_encoder_wire(struct rig_reader *in, const struct rig_section *self,
+                             const struct dg_device *model)
 {
     const struct dg_plan_setting *word = dg_plan_word(self, "wire");
     const size_t n = dg_plan_span(word->value, ':');
@@ -161,7 +161,7 @@ static int take_wire_of(struct rig_reader *in, const struct rig_section *self,
     if (bus != NULL) {
         return use_bus(in, bus, model);
     }
-    const int at = make_wire(in, self, model);
+    const int at = make_encoder_wire(in, self, model);
     return at < 0 || dg_plan_take_trace(in, trace, at) != 0 ? -1 : at;
 }
 
@@ -179,7 +179,7 @@ int dg_plan_address(const struct dg_device *model, const char *text)
 }
 
 /* As delivered it is the model's, if that is a file which says so, else the protocol's. */
-static int number_of(const struct dg_plan *plan, const struct dg_plan_encoder *encoder)
+static int address_number_of(const struct dg_plan *plan, const struct dg_plan_encoder *encoder)
 {
     int delivered = encoder->model->stack->address_delivered;
 
@@ -206,7 +206,7 @@ static int check_number(struct rig_reader *in, const struct rig_section *section
                         const struct dg_plan_encoder *self, const struct dg_plan_setting *word)
 {
     const char *key = self->model->stack->address_key;
-    const int own = number_of(in->plan, self);
+    const int own = address_number_of(in->plan, self);
     const struct dg_plan_name name = {
         .list = RIG_NUMBER,
         .scope = (uint32_t)self->wire << CHAR_BIT | (uint32_t)(own & UCHAR_MAX),
@@ -250,8 +250,8 @@ static int refuse_address(struct rig_reader *in, const struct dg_plan_setting *w
 }
 
 /* `node`, `address`, or whatever key the stack has. */
-static int take_number(struct rig_reader *in, const struct rig_section *self,
-                       struct dg_plan_encoder *encoder)
+static int take_address(struct rig_reader *in, const struct rig_section *self,
+                        struct dg_plan_encoder *encoder)
 {
     const char *key = encoder->model->stack->address_key;
 
@@ -356,7 +356,7 @@ int dg_plan_take_encoder(struct rig_reader *in, const struct rig_section *self)
     struct dg_plan_encoder *encoder = &plan->encoders[at];
     encoder->line = self->line;
     return take_serial(in, dg_plan_word(self, "serial"), encoder) != 0 ||
-                   take_number(in, self, encoder) != 0 ||
+                   take_address(in, self, encoder) != 0 ||
                    take_nvm(in, dg_plan_word(self, "nvm"), encoder) != 0
                ? -1
                : take_settings(in, self, encoder);

@@ -21,14 +21,14 @@ static struct rig_file *top_of(struct rig_reader *self)
     return &self->files[self->depth - 1u];
 }
 
-static bool is_blank(char c)
+static bool is_rig_blank(char c)
 {
     return c == ' ' || (c >= '\t' && c <= '\r');
 }
 
 static char *skip_blanks(char *text)
 {
-    while (is_blank(*text)) {
+    while (is_rig_blank(*text)) {
         text++;
     }
     return text;
@@ -37,7 +37,7 @@ static char *skip_blanks(char *text)
 /* Blanks at the end become zeros. */
 static char *trim_end(char *text)
 {
-    for (size_t n = dg_plan_length(text); n > 0 && is_blank(text[n - 1u]); n--) {
+    for (size_t n = dg_plan_length(text); n > 0 && is_rig_blank(text[n - 1u]); n--) {
         text[n - 1u] = '\0';
     }
     return text;
@@ -74,7 +74,7 @@ static const char *next_word(char **text)
     char *found = skip_blanks(*text);
     char *end = found;
 
-    while (*end != '\0' && !is_blank(*end)) {
+    while (*end != '\0' && !is_rig_blank(*end)) {
         end++;
     }
     *text = *end == '\0' ? end : end + 1;
@@ -83,8 +83,8 @@ static const char *next_word(char **text)
 }
 
 /* The section's own brackets are what the error is about. */
-static int refuse_name(struct rig_reader *self, const char *kind, const char *name,
-                       const char *more)
+static int refuse_section_name(struct rig_reader *self, const char *kind, const char *name,
+                               const char *more)
 {
     char section[DG_PLAN_LINE_MAX + 8u];
     struct dg_text text = dg_text_in(section, sizeof section);
@@ -114,7 +114,7 @@ static int name_section(struct rig_reader *self, char *text)
                                   RIG_SAY("[", kind, " ", name, "]: has no name"));
     }
     if (found->named && (*more != '\0' || !dg_plan_name_fits(name))) {
-        return refuse_name(self, kind, name, *more == '\0' ? "" : " ...");
+        return refuse_section_name(self, kind, name, *more == '\0' ? "" : " ...");
     }
     struct rig_section *section = &top_of(self)->section;
     section->kind = found;
@@ -274,7 +274,7 @@ static char *find_end(char *text, bool keys)
     bool blank = false;
 
     while (*text != '\0' && !(keys && (*text == '=' || *text == ':')) && !(blank && *text == ';')) {
-        blank = is_blank(*text);
+        blank = is_rig_blank(*text);
         text++;
     }
     return text;
@@ -335,7 +335,7 @@ static bool fetch_line(struct rig_file *file, struct line *line)
     return ended || (rest == left && rest < sizeof line->text - 1u);
 }
 
-static int take_line(struct rig_reader *self)
+static int take_rig_line(struct rig_reader *self)
 {
     struct rig_file *file = top_of(self);
     struct line line = {.text = ""};
@@ -362,7 +362,7 @@ int dg_plan_read_lines(struct rig_reader *self)
     self->files[0].text = self->setup->text;
     while (result == 0 && self->depth > 0) {
         const struct rig_file *file = top_of(self);
-        result = file->at < file->text.n ? take_line(self) : end_file(self);
+        result = file->at < file->text.n ? take_rig_line(self) : end_file(self);
     }
     return result;
 }

@@ -106,8 +106,8 @@ static const struct dg_device *take_base(struct rig_reader *in, const struct rig
 
 /* ---------------------------------------------------------------- figures */
 
-static int refuse_key(struct rig_reader *in, const struct dg_plan_setting *word,
-                      const struct dg_model_text *text, const struct dg_device *base)
+static int refuse_figure(struct rig_reader *in, const struct dg_plan_setting *word,
+                         const struct dg_model_text *text, const struct dg_device *base)
 {
     const struct dg_key *figure = dg_model_figure_at(text, 0);
     struct rig_list figures;
@@ -141,7 +141,7 @@ static int take_figure(struct rig_reader *in, const struct dg_plan_setting *word
     const struct dg_key *figure = dg_model_figure(text, word->key);
 
     if (figure == NULL) {
-        return refuse_key(in, word, text, base);
+        return refuse_figure(in, word, text, base);
     }
     return dg_key_set(figure, model, word->value) == DG_OK ? 0 : refuse_value(in, word, figure);
 }
@@ -231,8 +231,8 @@ static void copy_figures(const struct dg_model_text *text, void *to, const void 
 }
 
 /* With a copy of the base's figures. @return NULL: the memory is full */
-static struct dg_device *make_device(struct rig_reader *in, const struct rig_section *self,
-                                     const struct dg_device *base, void **model)
+static struct dg_device *make_model_device(struct rig_reader *in, const struct rig_section *self,
+                                           const struct dg_device *base, void **model)
 {
     const size_t size = dg_model_text_of(base->stack)->size;
     const struct dg_plan_setting *title = dg_plan_word(self, "title");
@@ -292,7 +292,7 @@ int dg_plan_take_model(struct rig_reader *in, const struct rig_section *self)
 {
     const struct dg_device *base = check_name(in, self) != 0 ? NULL : take_base(in, self);
     void *model = NULL;
-    struct dg_device *device = base == NULL ? NULL : make_device(in, self, base, &model);
+    struct dg_device *device = base == NULL ? NULL : make_model_device(in, self, base, &model);
 
     if (device == NULL || take_heirlooms(in, self, base, model) != 0 ||
         take_figures(in, self, base, model) != 0 || stamp_memory(in, device, model) != 0) {

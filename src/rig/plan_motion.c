@@ -48,7 +48,7 @@ struct quantity {
     int64_t value;
 };
 
-static int refuse(struct dg_plan_error *error, rig_parts what)
+static int refuse_motion(struct dg_plan_error *error, rig_parts what)
 {
     return dg_plan_refuse(error, RIG_SAY("valid: " FORMS), what);
 }
@@ -82,18 +82,18 @@ static int parse_quantity(struct quantity *out, const char *text, size_t n,
     struct dg_decimal number;
     if (unit == NULL ||
         !dg_decimal_parse(text, n - dg_plan_length(unit->name), unit->places, &number)) {
-        return refuse(error, RIG_SAY("'", dg_plan_cut(text, n).text,
-                                     "' is not a number with a unit (DEG REV RPM S MS)"));
+        return refuse_motion(error, RIG_SAY("'", dg_plan_cut(text, n).text,
+                                            "' is not a number with a unit (DEG REV RPM S MS)"));
     }
     if (number.cut) {
-        return refuse(error, RIG_SAY("'", dg_plan_cut(text, n).text, "' has more than ",
-                                     dg_plan_number(unit->places).text, " decimals"));
+        return refuse_motion(error, RIG_SAY("'", dg_plan_cut(text, n).text, "' has more than ",
+                                            dg_plan_number(unit->places).text, " decimals"));
     }
     const int64_t one = dg_power_of_ten(unit->places);
     if (number.value < unit->min * one || number.value > unit->max * one) {
-        return refuse(error, RIG_SAY("'", dg_plan_cut(text, n).text, "' is outside ",
-                                     dg_plan_signed(unit->min).text, "..",
-                                     dg_plan_signed(unit->max).text, " ", unit->name));
+        return refuse_motion(error, RIG_SAY("'", dg_plan_cut(text, n).text, "' is outside ",
+                                            dg_plan_signed(unit->min).text, "..",
+                                            dg_plan_signed(unit->max).text, " ", unit->name));
     }
     out->dimension = unit->dimension;
     out->value = unit->dimension == ANGLE ? angle_of(unit, number.value) : number.value;
@@ -101,7 +101,7 @@ static int parse_quantity(struct quantity *out, const char *text, size_t n,
 }
 
 /* Whether it is a number without a unit. */
-static bool is_bare(const char *text, size_t n)
+static bool is_bare_number(const char *text, size_t n)
 {
     struct dg_decimal number;
     return dg_decimal_parse(text, n, 0, &number);
@@ -112,11 +112,11 @@ static int next_quantity(const char **rest, enum dimension wanted, int64_t *valu
                          struct dg_plan_error *error)
 {
     if (*rest == NULL) {
-        return refuse(error, RIG_SAY(examples[wanted], " is missing"));
+        return refuse_motion(error, RIG_SAY(examples[wanted], " is missing"));
     }
     const size_t n = dg_plan_span(*rest, ',');
     struct quantity quantity = {.value = 0};
-    if (is_bare(*rest, n)) {
+    if (is_bare_number(*rest, n)) {
         return dg_plan_refuse(error, RIG_SAY("expected ", examples[wanted]),
                               RIG_SAY("'", dg_plan_cut(*rest, n).text, "' has no unit"));
     }
@@ -124,8 +124,8 @@ static int next_quantity(const char **rest, enum dimension wanted, int64_t *valu
         return -1;
     }
     if (quantity.dimension != wanted) {
-        return refuse(error, RIG_SAY("'", dg_plan_cut(*rest, n).text, "' stands where ",
-                                     examples[wanted], " belongs"));
+        return refuse_motion(error, RIG_SAY("'", dg_plan_cut(*rest, n).text, "' stands where ",
+                                            examples[wanted], " belongs"));
     }
     *value = quantity.value;
     *rest = (*rest)[n] == '\0' ? NULL : *rest + n + 1u;
@@ -140,7 +140,8 @@ static int parse_sine(struct dg_motion *motion, const char *rest, struct dg_plan
         return -1;
     }
     if (rest != NULL) {
-        return refuse(error, RIG_SAY("'", rest, "' is too much; a sine is sine:AMPLITUDE,PERIOD"));
+        return refuse_motion(error,
+                             RIG_SAY("'", rest, "' is too much; a sine is sine:AMPLITUDE,PERIOD"));
     }
     motion->kind = DG_MOTION_SINE;
     motion->period = (dg_ns)period;
@@ -162,7 +163,8 @@ static int parse_ramp(struct dg_motion *motion, const char *rest, struct dg_plan
         return -1;
     }
     if (rest != NULL) {
-        return refuse(error, RIG_SAY("'", rest, "' is too much; a ramp is ramp:SPEED,TIME[,HOLD]"));
+        return refuse_motion(error,
+                             RIG_SAY("'", rest, "' is too much; a ramp is ramp:SPEED,TIME[,HOLD]"));
     }
     motion->kind = DG_MOTION_RAMP;
     motion->mrpm = (int32_t)speed_mrpm;
@@ -178,7 +180,7 @@ static int parse_simple(struct dg_motion *motion, const char *text, struct dg_pl
     if (dg_decimal_parse(text, dg_plan_length(text), 0, &zero) && zero.value == 0 && !zero.cut) {
         return 0;
     }
-    if (is_bare(text, dg_plan_length(text))) {
+    if (is_bare_number(text, dg_plan_length(text))) {
         return dg_plan_refuse(error,
                               RIG_SAY("expected ", text, "DEG or ", text, "RPM, for example"),
                               RIG_SAY("'", text, "' has no unit"));
@@ -188,7 +190,7 @@ static int parse_simple(struct dg_motion *motion, const char *text, struct dg_pl
         return -1;
     }
     if (quantity.dimension == TIME) {
-        return refuse(error, RIG_SAY("'", text, "' is a time"));
+        return refuse_motion(error, RIG_SAY("'", text, "' is a time"));
     }
     if (quantity.dimension == ANGLE) {
         motion->from = quantity.value;

@@ -38,7 +38,7 @@ static bool same_name(const struct dg_plan_name *a, const struct dg_plan_name *b
            dg_text_same(a->text, b->text, RIG_TEXT_MAX, fold_of(a->list));
 }
 
-static uint32_t mix(uint32_t hash, uint32_t value)
+static uint32_t mix_hash(uint32_t hash, uint32_t value)
 {
     return (hash ^ value) * HASH_FACTOR;
 }
@@ -46,16 +46,16 @@ static uint32_t mix(uint32_t hash, uint32_t value)
 static size_t hash_of(const struct dg_plan_name *name)
 {
     dg_text_fold *const fold = fold_of(name->list);
-    uint32_t hash = mix(mix(HASH_BASE, name->list), name->scope);
+    uint32_t hash = mix_hash(mix_hash(HASH_BASE, name->list), name->scope);
 
     for (const char *at = name->text; *at != '\0'; at++) {
-        hash = mix(hash, (unsigned char)fold(*at));
+        hash = mix_hash(hash, (unsigned char)fold(*at));
     }
     return hash ^ hash >> 15;
 }
 
 /* The row that has the name, or the free one where it belongs. */
-static struct dg_plan_name *find_row(const struct dg_plan *self, const struct dg_plan_name *name)
+static struct dg_plan_name *find_hashed(const struct dg_plan *self, const struct dg_plan_name *name)
 {
     size_t at = hash_of(name) & (self->name_room - 1u);
 
@@ -67,12 +67,12 @@ static struct dg_plan_name *find_row(const struct dg_plan *self, const struct dg
 
 int dg_plan_names_find(const struct dg_plan *self, const struct dg_plan_name *name)
 {
-    const struct dg_plan_name *row = self->name_room == 0 ? NULL : find_row(self, name);
+    const struct dg_plan_name *row = self->name_room == 0 ? NULL : find_hashed(self, name);
 
     return row == NULL || row->text == NULL ? -1 : row->index;
 }
 
-static int make_room(struct dg_plan *self)
+static int make_name_room(struct dg_plan *self)
 {
     const struct dg_plan_name *before = self->names;
     const size_t count = self->name_room;
@@ -89,7 +89,7 @@ static int make_room(struct dg_plan *self)
     self->name_room = room;
     for (size_t i = 0; i < count; i++) {
         if (before[i].text != NULL) {
-            *find_row(self, &before[i]) = before[i];
+            *find_hashed(self, &before[i]) = before[i];
         }
     }
     return 0;
@@ -97,10 +97,10 @@ static int make_room(struct dg_plan *self)
 
 int dg_plan_names_add(struct dg_plan *self, const struct dg_plan_name *name)
 {
-    if (make_room(self) != 0) {
+    if (make_name_room(self) != 0) {
         return -1;
     }
-    struct dg_plan_name *row = find_row(self, name);
+    struct dg_plan_name *row = find_hashed(self, name);
     if (row->text == NULL) {
         *row = *name;
         self->name_count++;

@@ -332,7 +332,7 @@ static int check_whole(struct rig_reader *in)
 }
 
 /* The file's name without its folder and its ending. */
-static const char *name_of(struct dg_plan *self)
+static const char *rig_name_of(struct dg_plan *self)
 {
     const char *base = self->file + folder_of(self->file);
     const size_t length = dg_plan_length(base);
@@ -344,12 +344,12 @@ static const char *name_of(struct dg_plan *self)
     return dg_plan_keep(self, base, n == 0 ? length : n);
 }
 
-static int read_all(struct rig_reader *in)
+static int read_sections(struct rig_reader *in)
 {
     if (dg_plan_read_lines(in) != 0 || check_whole(in) != 0) {
         return -1;
     }
-    in->plan->name = in->plan->name == NULL ? name_of(in->plan) : in->plan->name;
+    in->plan->name = in->plan->name == NULL ? rig_name_of(in->plan) : in->plan->name;
     return in->plan->name == NULL ? -1 : 0;
 }
 
@@ -366,7 +366,7 @@ int dg_plan_read(struct dg_plan *self, const struct dg_plan_setup *setup,
     self->file = setup->file;
     self->find_model = setup->find_model;
     self->ctx = setup->ctx;
-    const int result = read_all(&in);
+    const int result = read_sections(&in);
     self->find_model = NULL; /* whoever finds them has gone when this returns */
     if (result == 0) {
         return DG_OK;

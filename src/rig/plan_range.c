@@ -67,8 +67,8 @@ struct one {
 };
 
 /* What counts has a value of its own; everything else is that of the section. */
-static const char *value_of(struct one *self, const struct range *range,
-                            const struct dg_plan_setting *word, int at)
+static const char *item_value_of(struct one *self, const struct range *range,
+                                 const struct dg_plan_setting *word, int at)
 {
     uint64_t serial = 0;
 
@@ -98,7 +98,7 @@ static int take_one(struct rig_reader *in, const struct rig_section *all, const 
     for (size_t i = 0; i < all->count; i++) {
         *dg_plan_word_at(&self->section, i) = *dg_plan_word_at(all, i);
         dg_plan_word_at(&self->section, i)->value =
-            value_of(self, range, dg_plan_word_at(all, i), at);
+            item_value_of(self, range, dg_plan_word_at(all, i), at);
     }
     dg_plan_add(&name, RIG_SAY(all->name, "-", self->number.text));
     if (!dg_plan_name_fits(text)) {

@@ -54,8 +54,8 @@ bool dg_plan_kind_has(const struct rig_kind *kind, const char *key)
 }
 
 /* "expected a, b or c" */
-static int refuse_key_of(struct rig_reader *in, const struct rig_section *self,
-                         const struct dg_plan_setting *word)
+static int refuse_section_key(struct rig_reader *in, const struct rig_section *self,
+                              const struct dg_plan_setting *word)
 {
     const struct rig_key *keys = self->kind->keys;
     struct rig_list list;
@@ -78,7 +78,7 @@ static int check_words(struct rig_reader *in, const struct rig_section *self)
         const struct dg_plan_setting *word = dg_plan_word_at(self, i);
         const bool known = dg_plan_kind_has(self->kind, word->key);
         if (!known && !self->kind->open) {
-            return refuse_key_of(in, self, word);
+            return refuse_section_key(in, self, word);
         }
         if (known && word->value[0] == '\0') {
             return dg_plan_wrong_word(in, word, RIG_SAY("expected ", word->key, " = VALUE"),
@@ -289,7 +289,7 @@ static int take_threads(struct rig_reader *in, const struct dg_plan_setting *thr
 }
 
 /* The first file that says it is believed, as with the folder. */
-static int take_memory(struct rig_reader *in, const struct dg_plan_setting *memory)
+static int take_course_memory(struct rig_reader *in, const struct dg_plan_setting *memory)
 {
     uint64_t bytes = 0;
 
@@ -311,7 +311,7 @@ static int take_rig(struct rig_reader *in, const struct rig_section *self)
     int result = take_name(in, dg_plan_word(self, "name"));
 
     result = result == 0 ? take_threads(in, dg_plan_word(self, "threads")) : result;
-    result = result == 0 ? take_memory(in, dg_plan_word(self, "memory")) : result;
+    result = result == 0 ? take_course_memory(in, dg_plan_word(self, "memory")) : result;
     if (result == 0 && files != NULL && in->plan->files == NULL) {
         in->plan->files_line = files->line;
         in->plan->files = dg_plan_path(in, files->value, files->line);

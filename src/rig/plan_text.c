@@ -110,7 +110,7 @@ static void keep_to_the_line(char *text)
     }
 }
 
-static void write_text(char *to, size_t size, rig_parts parts)
+static void write_parts(char *to, size_t size, rig_parts parts)
 {
     struct dg_text text = dg_text_in(to, size);
 
@@ -121,8 +121,8 @@ static void write_text(char *to, size_t size, rig_parts parts)
 int dg_plan_refuse(struct dg_plan_error *error, rig_parts right, rig_parts what)
 {
     memset(error, 0, sizeof *error);
-    write_text(error->what, sizeof error->what, what);
-    write_text(error->right, sizeof error->right, right);
+    write_parts(error->what, sizeof error->what, what);
+    write_parts(error->right, sizeof error->right, right);
     return -1;
 }
 
@@ -130,8 +130,8 @@ int dg_plan_about(struct dg_plan_error *error, const char *key, const char *valu
 {
     if (error->key[0] == '\0') {
         error->valued = value != NULL ? DG_PLAN_KEY_VALUE : DG_PLAN_UNVALUED;
-        write_text(error->key, sizeof error->key, RIG_SAY(key));
-        write_text(error->value, sizeof error->value, RIG_SAY(value));
+        write_parts(error->key, sizeof error->key, RIG_SAY(key));
+        write_parts(error->value, sizeof error->value, RIG_SAY(value));
     }
     return -1;
 }

@@ -8,7 +8,7 @@
 #define HEX_SIZE 17u
 
 /* What is written behind dg_scpi_begin(). */
-static void write_text(struct dg_scpi *self, const char *text, size_t n)
+static void write_quoted_text(struct dg_scpi *self, const char *text, size_t n)
 {
     if (!self->failed && n > 0) {
         self->setup.ops->write(self->setup.ctx, text, n);
@@ -31,7 +31,7 @@ void dg_scpi_begin(struct dg_scpi *self)
 
 void dg_scpi_append(struct dg_scpi *self, const char *text)
 {
-    write_text(self, text, dg_scpi_length(text));
+    write_quoted_text(self, text, dg_scpi_length(text));
 }
 
 void dg_scpi_append_quoted(struct dg_scpi *self, const char *text)
@@ -40,11 +40,11 @@ void dg_scpi_append_quoted(struct dg_scpi *self, const char *text)
 
     for (; *at != '\0'; at++) {
         if (*at == '"') { /* up to it and with it; it comes again with what follows */
-            write_text(self, text, (size_t)(at - text) + 1u);
+            write_quoted_text(self, text, (size_t)(at - text) + 1u);
             text = at;
         }
     }
-    write_text(self, text, (size_t)(at - text));
+    write_quoted_text(self, text, (size_t)(at - text));
 }
 
 uint64_t dg_scpi_magnitude(int64_t value)
@@ -56,7 +56,7 @@ static void append_decimal(struct dg_scpi *self, uint64_t magnitude, bool negati
 {
     char text[DG_TEXT_DIGITS_MAX];
 
-    write_text(self, text, dg_text_digits(text, magnitude, negative, places));
+    write_quoted_text(self, text, dg_text_digits(text, magnitude, negative, places));
 }
 
 void dg_scpi_append_number(struct dg_scpi *self, int64_t value, unsigned places)
@@ -70,7 +70,7 @@ void dg_scpi_append_hex(struct dg_scpi *self, uint64_t value, unsigned digits)
     struct dg_text text = dg_text_in(room, sizeof room);
 
     dg_text_add_hex(&text, value, digits);
-    write_text(self, room, text.length);
+    write_quoted_text(self, room, text.length);
 }
 
 void dg_scpi_put_number(struct dg_scpi *self, int64_t value, unsigned places)

@@ -10,7 +10,7 @@
 /* Registers with an argument of their own: one row's function serves both masks. */
 enum mask { EVENTS, REQUESTS };
 
-static uint8_t *mask_of(struct dg_scpi *self)
+static uint8_t *enable_mask_of(struct dg_scpi *self)
 {
     return self->command->argument == EVENTS ? &self->ese : &self->sre;
 }
@@ -24,13 +24,13 @@ static void set_mask(struct dg_scpi *self)
     int64_t value;
 
     if (dg_scpi_number(self, &range, &value)) {
-        *mask_of(self) = (uint8_t)((unsigned)value & kept);
+        *enable_mask_of(self) = (uint8_t)((unsigned)value & kept);
     }
 }
 
 static void get_mask(struct dg_scpi *self)
 {
-    dg_scpi_put_number(self, *mask_of(self), 0);
+    dg_scpi_put_number(self, *enable_mask_of(self), 0);
 }
 
 static void clear(struct dg_scpi *self)

@@ -75,7 +75,7 @@ static bool is_of_header(char c)
 }
 
 /* Up to what no header has; an empty node at the end is none. */
-static struct header take_apart(const char *text, size_t n)
+static struct header split_header(const char *text, size_t n)
 {
     struct header header = {.count = 0};
     size_t end = 0;
@@ -127,7 +127,7 @@ nearest(const struct dg_scpi *self, const struct header *header, bool query, uns
 
 void dg_scpi_refuse_header(struct dg_scpi *self, const char *header, size_t n, bool query)
 {
-    const struct header apart = take_apart(header, n);
+    const struct header apart = split_header(header, n);
     unsigned cost;
     const struct dg_scpi_command *near = nearest(self, &apart, query, &cost);
     char room[SCPI_DETAIL_SIZE];

@@ -124,7 +124,7 @@ static void read_exponent(struct dg_scpi *self, struct decimal *out)
     out->point += negative ? -exponent : exponent;
 }
 
-static uint64_t digit_of(char c)
+static uint64_t digit_value_of(char c)
 {
     return (uint64_t)(c - '0');
 }
@@ -140,7 +140,7 @@ static bool whole_of(const struct decimal *number, uint64_t *whole)
         if (sum > (UINT64_MAX - (DECIMAL - 1u)) / DECIMAL) {
             return false;
         }
-        sum = sum * DECIMAL + (at < number->end ? digit_of(*at) : 0u);
+        sum = sum * DECIMAL + (at < number->end ? digit_value_of(*at) : 0u);
         at += at < number->end ? 1 : 0;
     }
     *whole = sum;
@@ -156,7 +156,7 @@ static uint64_t fraction_of(const struct decimal *number, uint64_t factor, bool 
     for (const char *at = number->end; i > 0 && i > number->point;) {
         at--;
         if (*at != '.') {
-            x += digit_of(*at) * factor;
+            x += digit_value_of(*at) * factor;
             *rest = *rest || x % DECIMAL != 0;
             x /= DECIMAL;
             i--;
@@ -170,7 +170,7 @@ static uint64_t fraction_of(const struct decimal *number, uint64_t factor, bool 
 }
 
 /* whole = turns * per + part: part * factor is below 2^32 * 360, whatever the number is. */
-static struct value evaluate(const struct decimal *number, const struct suffix *suffix)
+static struct value evaluate_number(const struct decimal *number, const struct suffix *suffix)
 {
     struct value value = {.negative = number->negative, .too_large = true};
     bool rest = false;
@@ -355,7 +355,8 @@ static void raise_range(struct dg_scpi *self, const struct dg_scpi_range *range)
 }
 
 /* @return false: out of the range */
-static bool is_within(const struct value *value, const struct dg_scpi_range *range, int64_t *out)
+static bool fit_into_range(const struct value *value, const struct dg_scpi_range *range,
+                           int64_t *out)
 {
     const uint64_t most = (uint64_t)INT64_MAX + (value->negative ? 1u : 0u);
 
@@ -380,8 +381,8 @@ static void refuse_bare(struct dg_scpi *self, uint16_t begin, const struct decim
 
     dg_text_add_n(&detail, &self->line[begin], n);
     for (size_t i = 0; i < 2u; i++) {
-        const struct value value = evaluate(number, &units[i]);
-        if (is_within(&value, range, &ignored)) {
+        const struct value value = evaluate_number(number, &units[i]);
+        if (fit_into_range(&value, range, &ignored)) {
             dg_text_add(&detail, between);
             dg_text_add_n(&detail, &self->line[begin], n);
             dg_text_add(&detail, units[i].name);
@@ -414,7 +415,7 @@ static bool read_decimal(struct dg_scpi *self, const struct dg_scpi_range *range
     if (!read_suffix(self, range, &suffix)) {
         return false;
     }
-    *out = evaluate(&number, &suffix);
+    *out = evaluate_number(&number, &suffix);
     return true;
 }
 
@@ -457,7 +458,7 @@ bool dg_scpi_number(struct dg_scpi *self, const struct dg_scpi_range *range, int
     if (!(base != 0 ? read_based(self, base, &read) : read_decimal(self, range, &read))) {
         return false;
     }
-    if (!is_within(&read, range, &result)) {
+    if (!fit_into_range(&read, range, &result)) {
         raise_range(self, range);
         return false;
     }

@@ -24,7 +24,7 @@ void dg_scpi_init(struct dg_scpi *self, const struct dg_scpi_setup *setup)
 }
 
 /* Everything but blanks and printable characters is garbage, and so is the line. */
-static bool is_text(const char *line, size_t n)
+static bool is_printable(const char *line, size_t n)
 {
     for (size_t i = 0; i < n; i++) {
         if ((line[i] < FIRST_PRINTABLE || line[i] > LAST_PRINTABLE) && line[i] != '\t') {
@@ -71,7 +71,7 @@ static void set_path(struct dg_scpi *self, const char *header, size_t n)
 }
 
 /* @return false: there is no such command */
-static bool find_command(struct dg_scpi *self)
+static bool find_header(struct dg_scpi *self)
 {
     const char *header;
     const size_t n = read_header(self, &header);
@@ -105,7 +105,7 @@ static bool has_too_many(const struct dg_scpi *self)
            dg_scpi_count(&self->line[self->at]) > dg_scpi_count(parameters);
 }
 
-static void call(struct dg_scpi *self)
+static void call_handler(struct dg_scpi *self)
 {
     const struct dg_scpi_command *command = self->command;
 
@@ -130,7 +130,7 @@ static void end_line(struct dg_scpi *self)
 }
 
 /* The next command of the line; empty ones are none. */
-static void execute(struct dg_scpi *self)
+static void execute_next(struct dg_scpi *self)
 {
     dg_scpi_skip_blanks(self);
     if (self->line[self->at] == '\0') {
@@ -144,8 +144,8 @@ static void execute(struct dg_scpi *self)
     self->first = true;
     self->failed = false;
     self->put = false;
-    if (find_command(self)) {
-        call(self);
+    if (find_header(self)) {
+        call_handler(self);
         self->command = NULL;
     }
     if (self->failed) {
@@ -154,7 +154,7 @@ static void execute(struct dg_scpi *self)
 }
 
 /* End what *OPC, *OPC? and *WAI began, when it is time. @return when that will be, or DG_NEVER */
-static dg_ns settle(struct dg_scpi *self)
+static dg_ns settle_waiting(struct dg_scpi *self)
 {
     if (!self->waiting && !self->opc) {
         return DG_NEVER;
@@ -179,7 +179,7 @@ void dg_scpi_hold(struct dg_scpi *self, bool (*poll)(struct dg_scpi *self, bool 
 }
 
 /* As if it were called: nobody steps this session meanwhile. */
-static bool poll(struct dg_scpi *self, bool gone)
+static bool poll_command(struct dg_scpi *self, bool gone)
 {
     static const struct dg_scpi_command held = {.header = ""};
 
@@ -195,18 +195,18 @@ static bool poll(struct dg_scpi *self, bool gone)
 void dg_scpi_leave(struct dg_scpi *self)
 {
     if (self->poll != NULL) {
-        (void)poll(self, true);
+        (void)poll_command(self, true);
         self->executing = false;
     }
 }
 
 /* A part of what a command goes on with. @return whether it does so still */
-static bool go_on(struct dg_scpi *self)
+static bool continue_line(struct dg_scpi *self)
 {
     if (self->poll == NULL) {
         return false;
     }
-    if (poll(self, false) && self->failed) {
+    if (poll_command(self, false) && self->failed) {
         end_line(self);
     }
     return self->poll != NULL;
@@ -218,23 +218,23 @@ dg_ns dg_scpi_step(struct dg_scpi *self, dg_ns now)
         return self->now; /* a handler's change made the host step everybody: after the command */
     }
     self->now = now > self->now ? now : self->now; /* earlier: no time has passed (time.h) */
-    if (go_on(self)) {
+    if (continue_line(self)) {
         return self->now;
     }
-    dg_ns deadline = settle(self);
+    dg_ns deadline = settle_waiting(self);
     while (self->executing && !self->waiting) {
-        execute(self);
+        execute_next(self);
         if (self->poll != NULL) {
             return self->now;
         }
-        deadline = settle(self);
+        deadline = settle_waiting(self);
     }
     return deadline;
 }
 
 static void begin_line(struct dg_scpi *self)
 {
-    const bool usable = !self->overrun && is_text(self->line, self->length);
+    const bool usable = !self->overrun && is_printable(self->line, self->length);
 
     if (!self->overrun && !usable) {
         dg_scpi_raise(self, DG_SCPI_UNDEFINED, "not printable ASCII");
@@ -248,7 +248,7 @@ static void begin_line(struct dg_scpi *self)
     self->executing = usable;
 }
 
-static void take(struct dg_scpi *self, char c)
+static void collect_input(struct dg_scpi *self, char c)
 {
     if (c == '\n' || c == '\r') {
         begin_line(self);
@@ -267,7 +267,7 @@ size_t dg_scpi_rx(struct dg_scpi *self, dg_ns now, const char *bytes, size_t n)
 
     (void)dg_scpi_step(self, now);
     while (taken < n && !self->executing) {
-        take(self, bytes[taken]);
+        collect_input(self, bytes[taken]);
         taken++;
     }
     return taken;

@@ -82,15 +82,16 @@ static uint8_t esr_bit(int code)
     return bits[class_of(code)];
 }
 
-static struct dg_scpi_queued *place(struct dg_scpi *self, unsigned index)
+static struct dg_scpi_queued *queue_place(struct dg_scpi *self, unsigned index)
 {
     return &self->errors[(self->error_first + index) % DG_SCPI_ERRORS_MAX];
 }
 
-static void queue(struct dg_scpi *self, int code, const char *detail, size_t n)
+static void queue_error(struct dg_scpi *self, int code, const char *detail, size_t n)
 {
     const bool full = self->error_count == DG_SCPI_ERRORS_MAX;
-    struct dg_scpi_queued *entry = place(self, full ? DG_SCPI_ERRORS_MAX - 1u : self->error_count);
+    struct dg_scpi_queued *entry =
+        queue_place(self, full ? DG_SCPI_ERRORS_MAX - 1u : self->error_count);
 
     self->error_count = (uint8_t)(self->error_count + (full ? 0u : 1u));
     entry->code = (int16_t)(full ? DG_SCPI_QUEUE : code);
@@ -107,7 +108,7 @@ void dg_scpi_raise(struct dg_scpi *self, int code, const char *detail)
 
     if (code != DG_SCPI_NO_ERROR) {
         self->failed = true;
-        queue(self, code, text, n < DG_SCPI_DETAIL_MAX ? n : DG_SCPI_DETAIL_MAX);
+        queue_error(self, code, text, n < DG_SCPI_DETAIL_MAX ? n : DG_SCPI_DETAIL_MAX);
     }
 }
 
@@ -160,7 +161,7 @@ void dg_scpi_clear_errors(struct dg_scpi *self)
 void dg_scpi_put_error(struct dg_scpi *self)
 {
     static const struct dg_scpi_queued none = {.code = DG_SCPI_NO_ERROR};
-    const struct dg_scpi_queued *error = self->error_count > 0 ? place(self, 0) : &none;
+    const struct dg_scpi_queued *error = self->error_count > 0 ? queue_place(self, 0) : &none;
 
     dg_scpi_put_number(self, error->code, 0);
     dg_scpi_begin(self);

@@ -16,7 +16,7 @@ struct parts {
     struct dg_form_part list[PART_COUNT];
 };
 
-static void make_parts(const struct dg_ssi_model *model, struct parts *to)
+static void make_ssi_parts(const struct dg_ssi_model *model, struct parts *to)
 {
     *to = (struct parts){
         .form = {.layout = model->form->layout, .parts = to->list, .count = PART_COUNT},
@@ -44,7 +44,7 @@ static uint64_t binary_of(uint64_t gray)
     return binary;
 }
 
-static uint64_t parity_of(const struct dg_ssi_model *model, const struct parts *parts)
+static uint64_t word_parity_of(const struct dg_ssi_model *model, const struct parts *parts)
 {
     const uint64_t over = model->form->parity_over != 0 ? parts->list[POSITION].value
                                                         : dg_form_pack(&parts->form, 'Y').bits;
@@ -89,14 +89,14 @@ uint8_t dg_ssi_layout_make_word(const struct dg_ssi *self, uint8_t errors, uint6
     const bool error = errors != 0;
     struct parts parts;
 
-    make_parts(model, &parts);
+    make_ssi_parts(model, &parts);
     parts.list[POSITION].value =
         model->code == DG_SSI_GRAY ? gray_of(self->position) : self->position;
     parts.list[ERROR].value = error == is_high(model) ? 1u : 0u;
     parts.list[TOGGLE].value = self->counters.frames & 1u;
     parts.list[POWER_FAIL].value = (errors & DG_SSI_SUPPLY) != 0 ? 1u : 0u;
     parts.list[PARITY].value =
-        parity_of(model, &parts) ^ (error && model->form->error_parity ? 1u : 0u);
+        word_parity_of(model, &parts) ^ (error && model->form->error_parity ? 1u : 0u);
     const struct dg_form_word whole = dg_form_pack(&parts.form, '\0');
     *word = whole.bits;
     return whole.count;
@@ -109,7 +109,7 @@ int dg_ssi_layout_take_apart(const struct dg_ssi_model *model, uint64_t bits,
     const char *layout = model->form->layout;
     struct parts parts;
 
-    make_parts(model, &parts);
+    make_ssi_parts(model, &parts);
     const struct dg_form_word whole = dg_form_pack(&parts.form, '\0');
     const uint64_t word = bits & UINT64_MAX >> (DG_SSI_FORM_BITS_MAX - whole.count);
     dg_form_unpack(&parts.form, word);
@@ -121,7 +121,7 @@ int dg_ssi_layout_take_apart(const struct dg_ssi_model *model, uint64_t bits,
     frame->error = dg_form_has(layout, 'E') && (parts.list[ERROR].value != 0) == is_high(model);
     frame->toggle = parts.list[TOGGLE].value != 0;
     frame->power_fail = parts.list[POWER_FAIL].value != 0;
-    parts.list[PARITY].value = parity_of(model, &parts);
+    parts.list[PARITY].value = word_parity_of(model, &parts);
     return dg_form_pack(&parts.form, '\0').bits == word ? DG_OK : DG_ERR_DAMAGED;
 }
 
@@ -137,7 +137,7 @@ const char *dg_ssi_form_settle(const struct dg_ssi_model *model, struct dg_ssi_f
     const char *layout = form->layout;
     struct parts parts;
 
-    make_parts(model, &parts);
+    make_ssi_parts(model, &parts);
     if (!dg_form_has(layout, 'P') || !dg_form_fits(&parts.form, DG_SSI_FORM_BITS_MAX)) {
         return "a frame of P and any of E T F Y, each once, 0 and 1, together at most 64 bits";
     }

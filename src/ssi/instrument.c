@@ -36,7 +36,7 @@ static void state(const void *self, dg_ns now, struct dg_scpi *to)
     dg_state_hex(to, "word", device->word, (dg_ssi_word_bits(device->setup.model) + 3u) / 4u);
 }
 
-static const struct dg_ssi_port_ops *port_of(struct dg_scpi *session)
+static const struct dg_ssi_port_ops *ssi_port_of(struct dg_scpi *session)
 {
     return dg_control_port(session, &dg_ssi_stack, "it is no SSI encoder", "no simulated SSI wire");
 }
@@ -44,7 +44,7 @@ static const struct dg_ssi_port_ops *port_of(struct dg_scpi *session)
 static void frame(struct dg_scpi *session)
 {
     const struct dg_encoder *encoder = dg_control_selected(session);
-    const struct dg_ssi_port_ops *port = port_of(session);
+    const struct dg_ssi_port_ops *port = ssi_port_of(session);
     char detail[DG_SCPI_DETAIL_MAX + 1u] = "";
     uint64_t bits = 0;
 

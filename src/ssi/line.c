@@ -101,7 +101,7 @@ static void falling(struct dg_ssi *self, dg_ns now)
     self->deadline = end;
 }
 
-static void rising(struct dg_ssi *self)
+static void shift_out(struct dg_ssi *self)
 {
     if (self->state != DG_SSI_SHIFT) {
         return;
@@ -124,7 +124,7 @@ bool dg_ssi_clock(struct dg_ssi *self, dg_ns now, bool level)
     if (level != self->clock) {
         self->clock = level;
         if (level) {
-            rising(self);
+            shift_out(self);
         } else {
             falling(self, now);
         }

@@ -23,7 +23,7 @@ static struct dg_ssi *device_of(const struct dg_bus_master *self)
     return dg_bus_device(self->setup.bus, 0);
 }
 
-static const struct dg_ssi_model *model_of(const struct dg_bus_master *self)
+static const struct dg_ssi_model *ssi_model_of(const struct dg_bus_master *self)
 {
     return dg_bus_settings(self->setup.bus, 0);
 }
@@ -54,7 +54,7 @@ static bool sample_late(const struct dg_bus_master *self)
    too slow is over. */
 static void read_word(struct dg_bus_master *self)
 {
-    const struct dg_ssi_model *model = model_of(self);
+    const struct dg_ssi_model *model = ssi_model_of(self);
     const dg_ns way = dg_bus_master_way(self);
     uint64_t bits = 0;
 
@@ -89,9 +89,9 @@ static void skip_words(const struct dg_bus_master *self, uint64_t n)
 }
 
 /* @return whether the parity is right */
-static bool take_apart(const struct dg_bus_master *self, struct dg_ssi_frame *frame)
+static bool decode_frame(const struct dg_bus_master *self, struct dg_ssi_frame *frame)
 {
-    return dg_ssi_frame_decode(model_of(self), self->bits[0], frame) == DG_OK;
+    return dg_ssi_frame_decode(ssi_model_of(self), self->bits[0], frame) == DG_OK;
 }
 
 static enum dg_master_verdict judge(const struct dg_bus_master *self, size_t place)
@@ -102,7 +102,7 @@ static enum dg_master_verdict judge(const struct dg_bus_master *self, size_t pla
     if (!self->answered) {
         return DG_MASTER_SILENT;
     }
-    return take_apart(self, &frame) ? DG_MASTER_GOOD : DG_MASTER_WRONG;
+    return decode_frame(self, &frame) ? DG_MASTER_GOOD : DG_MASTER_WRONG;
 }
 
 static void tell_word(const struct dg_bus_master *self, size_t place, struct dg_master_word *to)
@@ -110,10 +110,10 @@ static void tell_word(const struct dg_bus_master *self, size_t place, struct dg_
     struct dg_ssi_frame frame;
 
     (void)place;
-    (void)take_apart(self, &frame);
+    (void)decode_frame(self, &frame);
     *to = (struct dg_master_word){
         .bits = self->bits[0],
-        .count = dg_ssi_word_bits(model_of(self)),
+        .count = dg_ssi_word_bits(ssi_model_of(self)),
         .position = frame.position,
         .multiturn = frame.multiturn,
         .singleturn = frame.singleturn,
@@ -122,8 +122,8 @@ static void tell_word(const struct dg_bus_master *self, size_t place, struct dg_
 }
 
 /* What the bits around the position say, if there are any. */
-static void say_rest(const struct dg_ssi_model *model, const struct dg_ssi_frame *frame,
-                     const char *parity, struct dg_text *to)
+static void say_extra_bits(const struct dg_ssi_model *model, const struct dg_ssi_frame *frame,
+                           const char *parity, struct dg_text *to)
 {
     if (model->error_bit != DG_SSI_ERROR_NONE) {
         dg_master_say(to, "  error ", frame->error);
@@ -143,22 +143,22 @@ static void say_rest(const struct dg_ssi_model *model, const struct dg_ssi_frame
 static void note_word(const struct dg_bus_master *self, size_t place, struct dg_text *to)
 {
     struct dg_ssi_frame frame;
-    const bool right = take_apart(self, &frame);
+    const bool right = decode_frame(self, &frame);
 
     (void)place;
     dg_master_note_position(to, frame.multiturn, frame.singleturn);
-    say_rest(model_of(self), &frame, right ? "ok" : "wrong", to);
+    say_extra_bits(ssi_model_of(self), &frame, right ? "ok" : "wrong", to);
 }
 
 static void print_word(const struct dg_bus_master *self, size_t place, struct dg_text *to)
 {
-    const struct dg_ssi_model *model = model_of(self);
+    const struct dg_ssi_model *model = ssi_model_of(self);
     struct dg_ssi_frame frame;
-    const bool right = take_apart(self, &frame);
+    const bool right = decode_frame(self, &frame);
 
     (void)place;
     dg_master_line_position(to, frame.multiturn, frame.singleturn, model->singleturn_bits);
-    say_rest(model, &frame, right ? "valid" : "WRONG", to);
+    say_extra_bits(model, &frame, right ? "valid" : "WRONG", to);
 }
 
 const struct dg_master_protocol dg_ssi_master = {

@@ -40,7 +40,7 @@ static void copy(void *to, const void *from)
 /* The order of parts without a form, by whether there is an error bit, and a parity bit. */
 static const char usual_layouts[2][2][4] = {{"P", "PY"}, {"PE", "PEY"}};
 
-static bool is_usual(const char *layout)
+static bool is_usual_layout(const char *layout)
 {
     bool usual = layout[0] == '\0';
 
@@ -59,7 +59,7 @@ static const char *settle_model(void *model)
     const bool plain = self->form.parity_over == 0 && !self->form.error_parity;
     char *layout = self->form.layout;
 
-    if (is_usual(layout)) {
+    if (is_usual_layout(layout)) {
         memset(layout, 0, sizeof self->form.layout);
         memcpy(layout, usual_layouts[error][parity], sizeof usual_layouts[0][0]);
         self->model.form = NULL;
