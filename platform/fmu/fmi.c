@@ -31,7 +31,7 @@ static int status_of(const struct fmi *self, const char *what, int result)
 /* --- life --- */
 
 /* Two hexadecimal digits. @return -1: they are none */
-static int code_of(const char *text)
+static int hex_byte_of(const char *text)
 {
     char digits[3] = "";
     char *end;
@@ -63,7 +63,7 @@ static int path_of(const char *resources, const char *name, char *to, size_t siz
     const char *at = skip_scheme(resources, &uri);
     size_t n = 0;
     while (*at != '\0' && n + 1 < size) {
-        const int code = uri && *at == '%' ? code_of(at + 1) : -1;
+        const int code = uri && *at == '%' ? hex_byte_of(at + 1) : -1;
         const unsigned char byte = (unsigned char)(code > 0 ? code : 0);
         memcpy(&to[n++], code > 0 ? (const char *)&byte : at, 1);
         at += code > 0 ? 3 : 1;
@@ -72,7 +72,7 @@ static int path_of(const char *resources, const char *name, char *to, size_t siz
     return *at == '\0' && rest >= 0 && (size_t)rest < size - n ? 0 : -1;
 }
 
-static char *read_all(FILE *file, size_t *n)
+static char *read_stream(FILE *file, size_t *n)
 {
     size_t room = 65536;
     char *bytes = malloc(room);
@@ -97,7 +97,7 @@ static char *read_resource(void *ctx, const char *name, size_t *n)
     char path[4096];
     FILE *file =
         ctx == NULL || path_of(ctx, name, path, sizeof path) != 0 ? NULL : fopen(path, "rb");
-    char *bytes = file == NULL ? NULL : read_all(file, n);
+    char *bytes = file == NULL ? NULL : read_stream(file, n);
     if (file != NULL) {
         (void)fclose(file);
     }
@@ -128,7 +128,7 @@ void fmi_end(struct fmi *self)
     }
 }
 
-static int power_on(struct fmi *self)
+static int power_on_encoders(struct fmi *self)
 {
     return status_of(self, "power-on", fmu_start(self->fmu, self->start));
 }
@@ -148,7 +148,7 @@ int fmi_initialized(struct fmi *self)
         return fmi_failed(self, "ExitInitializationMode", DG_HOST_ERR_STATE);
     }
     self->initializing = false;
-    return power_on(self);
+    return power_on_encoders(self);
 }
 
 int fmi_terminate(struct fmi *self)
@@ -187,13 +187,13 @@ int fmi_reset(struct fmi *self)
 
 int fmi_get(struct fmi *self, uint32_t reference, struct fmu_value *to)
 {
-    if (self == NULL || (self->initializing && power_on(self) != FMI_OK)) {
+    if (self == NULL || (self->initializing && power_on_encoders(self) != FMI_OK)) {
         return FMI_ERROR;
     }
     return status_of(self, "get", fmu_get(self->fmu, reference, to));
 }
 
-static int set(struct fmi *self, uint32_t reference, const struct fmu_value *value)
+static int set_variable(struct fmi *self, uint32_t reference, const struct fmu_value *value)
 {
     if (self == NULL) {
         return FMI_ERROR;
@@ -204,7 +204,7 @@ static int set(struct fmi *self, uint32_t reference, const struct fmu_value *val
 int fmi_set_integer(struct fmi *self, uint32_t reference, enum fmu_type type, int64_t value)
 {
     const struct fmu_value of = {.type = type, .real = (double)value, .integer = value};
-    return set(self, reference, &of);
+    return set_variable(self, reference, &of);
 }
 
 int fmi_get_reals(struct fmi *self, const uint32_t references[], size_t n, double values[],
@@ -231,7 +231,7 @@ int fmi_set_reals(struct fmi *self, const uint32_t references[], size_t n, const
     }
     for (size_t i = 0; i < n; i++) {
         const struct fmu_value value = {.type = FMU_REAL, .real = values[i]};
-        if (set(self, references[i], &value) != FMI_OK) {
+        if (set_variable(self, references[i], &value) != FMI_OK) {
             return FMI_ERROR;
         }
     }
@@ -270,7 +270,7 @@ int fmi_set_texts(struct fmi *self, const uint32_t references[], size_t n,
             return fmi_refused(self, "a String");
         }
         memcpy(value.text, values[i], strlen(values[i]) + 1);
-        if (set(self, references[i], &value) != FMI_OK) {
+        if (set_variable(self, references[i], &value) != FMI_OK) {
             return FMI_ERROR;
         }
     }

@@ -60,7 +60,7 @@ static int64_t turns_of(double rad)
 }
 
 /* BiSS, SSI: at this moment, if the one before is over. */
-static void latch(struct fmu *self, struct fmu_encoder *encoder)
+static void latch_outputs(struct fmu *self, struct fmu_encoder *encoder)
 {
     struct dg_host_frame frame;
     if (self->now < encoder->now.busy ||
@@ -76,7 +76,7 @@ void fmu_latch_unread(struct fmu *self)
     for (size_t i = 0; i < self->count; i++) {
         if (self->encoders[i].unread) {
             self->encoders[i].unread = false;
-            latch(self, &self->encoders[i]);
+            latch_outputs(self, &self->encoders[i]);
         }
     }
 }
@@ -122,7 +122,7 @@ struct dg_host_panel *encoder_panel(struct fmu *self, struct fmu_encoder *encode
     return encoder->panel;
 }
 
-static void run(struct fmu_encoder *self, uint64_t to)
+static void run_encoder(struct fmu_encoder *self, uint64_t to)
 {
     if (self->panel != NULL) {
         (void)dg_host_panel_step(self->panel, to);
@@ -136,7 +136,7 @@ void fmu_latch(struct fmu *self)
     for (size_t i = 0; i < self->count; i++) {
         if (self->encoders[i].now.ma) {
             self->encoders[i].now.ma = false;
-            latch(self, &self->encoders[i]);
+            latch_outputs(self, &self->encoders[i]);
         }
     }
 }
@@ -230,7 +230,7 @@ double fmu_step(struct fmu *self, double now, double span, bool early)
         const uint64_t at = next > self->now ? next : self->now + 1;
         self->now = at < to ? at : to;
         for (size_t i = 0; i < self->count; i++) {
-            run(&self->encoders[i], self->now);
+            run_encoder(&self->encoders[i], self->now);
             wire_collect(&self->encoders[i]);
         }
         over = self->now >= to || (early && fmu_ticks(self));
@@ -327,7 +327,7 @@ int fmu_binary_set(struct fmu *self, uint32_t reference, const uint8_t *bytes, s
     }
     fmu_settle(self);
     const int result = wire_take(encoder, self->now, bytes, n);
-    run(encoder, self->now);
+    run_encoder(encoder, self->now);
     wire_collect(encoder);
     return result;
 }
@@ -358,7 +358,7 @@ size_t fmu_state_size(const struct fmu *self)
     return n;
 }
 
-static uint8_t *put(uint8_t *to, const void *from, size_t n)
+static uint8_t *put_state_bytes(uint8_t *to, const void *from, size_t n)
 {
     memcpy(to, from, n);
     return to + n;
@@ -372,14 +372,14 @@ int fmu_save(struct fmu *self, void *to, size_t n)
     }
     fmu_settle(self);
     fmu_latch_unread(self);
-    at = put(at, self->token, strlen(self->token));
-    at = put(at, &self->start, sizeof self->start);
-    at = put(at, &self->now, sizeof self->now);
-    at = put(at, &self->started, sizeof self->started);
+    at = put_state_bytes(at, self->token, strlen(self->token));
+    at = put_state_bytes(at, &self->start, sizeof self->start);
+    at = put_state_bytes(at, &self->now, sizeof self->now);
+    at = put_state_bytes(at, &self->started, sizeof self->started);
     for (size_t i = 0; i < self->count; i++) {
         struct fmu_encoder *encoder = &self->encoders[i];
         const size_t size = dg_host_state_size(encoder->host);
-        at = put(at, &encoder->now, sizeof encoder->now);
+        at = put_state_bytes(at, &encoder->now, sizeof encoder->now);
         const int result = dg_host_save(encoder->host, at, size);
         if (result != DG_HOST_OK) {
             return result;
@@ -387,18 +387,18 @@ int fmu_save(struct fmu *self, void *to, size_t n)
         at += size;
     }
     const uint32_t sum = dg_crc32(0, to, (size_t)(at - (uint8_t *)to));
-    (void)put(at, &sum, sizeof sum);
+    (void)put_state_bytes(at, &sum, sizeof sum);
     return DG_HOST_OK;
 }
 
-static const uint8_t *fetch(const uint8_t *from, void *to, size_t n)
+static const uint8_t *fetch_bytes(const uint8_t *from, void *to, size_t n)
 {
     memcpy(to, from, n);
     return from + n;
 }
 
 /* A handle keeps the faults of its panel, so those of the state have to be there before. */
-static void bend(struct fmu *self, struct fmu_encoder *encoder, const uint64_t faults[2])
+static void apply_faults(struct fmu *self, struct fmu_encoder *encoder, const uint64_t faults[2])
 {
     for (uint32_t i = 0; i < FMU_FAULTS_MAX; i++) {
         (void)encoder_set_fault(self, encoder, i, (faults[i / 64u] >> i % 64u & 1u) != 0);
@@ -442,9 +442,9 @@ static bool times_fit(double start, uint64_t now, uint8_t started)
 static int restore_all(struct fmu *self, const uint8_t *at)
 {
     uint8_t started;
-    at = fetch(at, &self->start, sizeof self->start);
-    at = fetch(at, &self->now, sizeof self->now);
-    at = fetch(at, &started, sizeof started);
+    at = fetch_bytes(at, &self->start, sizeof self->start);
+    at = fetch_bytes(at, &self->now, sizeof self->now);
+    at = fetch_bytes(at, &started, sizeof started);
     self->started = started == 1;
     if (!times_fit(self->start, self->now, started)) {
         return DG_HOST_ERR_DAMAGED;
@@ -456,8 +456,8 @@ static int restore_all(struct fmu *self, const uint8_t *at)
         if (!course_fits(at, self->now)) {
             return DG_HOST_ERR_DAMAGED;
         }
-        at = fetch(at, &course, sizeof course);
-        bend(self, encoder, course.faults);
+        at = fetch_bytes(at, &course, sizeof course);
+        apply_faults(self, encoder, course.faults);
         const int result = dg_host_restore(encoder->host, at, size);
         if (result != DG_HOST_OK || dg_host_next(encoder->host) < self->now) {
             return result != DG_HOST_OK ? result : DG_HOST_ERR_DAMAGED;

@@ -23,7 +23,7 @@
 /* --- a text --- */
 
 /* "-registers" takes out what the base has besides its frame, "st=26" is a figure. */
-static const char *take_figure(const struct dg_model_text *text, void *model, const char *at)
+static const char *take_model_figure(const struct dg_model_text *text, void *model, const char *at)
 {
     char key[FMU_NAME_MAX];
     char value[FMU_NAME_MAX] = "";
@@ -46,8 +46,8 @@ static const char *take_figure(const struct dg_model_text *text, void *model, co
 }
 
 /* A copy of the base, which `self` owns. @return its figures, or NULL */
-static void *copy_base(struct fmu_encoder *self, const struct dg_device *base,
-                       const struct dg_model_text *text)
+static void *copy_base_model(struct fmu_encoder *self, const struct dg_device *base,
+                             const struct dg_model_text *text)
 {
     self->made = calloc(1, OWN + text->size);
     if (self->made == NULL) {
@@ -69,12 +69,12 @@ static const char *take_text(struct fmu_encoder *self, const char *at)
     at = encoder_word(at + 1, ";@, ", name, sizeof name);
     const struct dg_device *base = at == NULL ? NULL : dg_device_find(name);
     const struct dg_model_text *text = base == NULL ? NULL : dg_model_text_of(base->stack);
-    void *model = text == NULL ? NULL : copy_base(self, base, text);
+    void *model = text == NULL ? NULL : copy_base_model(self, base, text);
     if (model == NULL) {
         return NULL;
     }
     while (at != NULL && *at == ';') {
-        at = take_figure(text, model, at + 1);
+        at = take_model_figure(text, model, at + 1);
     }
     if (at == NULL || text->settle(model) != NULL) {
         return NULL;
@@ -118,7 +118,7 @@ static void make_of(struct fmu_encoder *self, const struct dg_model_file *kind, 
 }
 
 /* Its name is its check sum, so that a token has one text only. */
-static void take_file(struct fmu_encoder *self, const struct fmu_files *files)
+static void take_model_file(struct fmu_encoder *self, const struct fmu_files *files)
 {
     const struct dg_model_file *kind = dg_model_file_of(self->model);
     size_t n = 0;
@@ -147,6 +147,6 @@ const char *encoder_take_model(struct fmu_encoder *self, const char *at,
     if (dg_model_file_of(self->model) == NULL) { /* whoever makes it knows whether it is one */
         return at;
     }
-    take_file(self, files);
+    take_model_file(self, files);
     return self->device == NULL ? NULL : at;
 }

@@ -106,7 +106,7 @@ static int encoder_make(struct fmu_encoder *self)
     return self->has != 0 ? 0 : -1;
 }
 
-static const char *take_settings(struct fmu_encoder *self, const char *at)
+static const char *take_token_settings(struct fmu_encoder *self, const char *at)
 {
     while (at != NULL && *at == ',') {
         char key[FMU_NAME_MAX];
@@ -141,10 +141,10 @@ static const char *take_encoder(struct fmu_encoder *self, const char *at, size_t
         self->owner = (int)owner;
         at = end;
     }
-    return take_settings(self, at);
+    return take_token_settings(self, at);
 }
 
-static int build(struct fmu *self, const struct fmu_files *files)
+static int build_token(struct fmu *self, const struct fmu_files *files)
 {
     static const char head[] = "drehgeber " DG_VERSION;
     const char *at = self->token + strlen(head);
@@ -199,7 +199,7 @@ struct fmu *fmu_make_with(const char *token, const struct fmu_files *files)
         memcpy(self->token, token, n + 1);
     }
     if (self->token == NULL || self->encoders == NULL || self->count == 0 ||
-        build(self, files) != 0) {
+        build_token(self, files) != 0) {
         fmu_free(self);
         return NULL;
     }
@@ -223,5 +223,5 @@ void fmu_free(struct fmu *self)
 
 int fmu_reset(struct fmu *self)
 {
-    return build(self, NULL);
+    return build_token(self, NULL);
 }

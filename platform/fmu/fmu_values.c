@@ -35,7 +35,7 @@ static int get_input(const struct fmu_encoder *encoder, uint32_t index, struct f
 }
 
 /* Without power there is none, and nothing on the line: 0. */
-static uint64_t position(const struct fmu *self, const struct fmu_encoder *encoder)
+static uint64_t encoder_position_of(const struct fmu *self, const struct fmu_encoder *encoder)
 {
     uint64_t counts = 0;
     (void)dg_host_position(encoder->host, self->now, &counts);
@@ -82,7 +82,7 @@ static int get_output(struct fmu *self, struct fmu_encoder *encoder, uint32_t in
         return DG_HOST_ERR_NAME;
     }
     if (index == FMU_POSITION) {
-        *to = integer(position(self, encoder), FMU_INT);
+        *to = integer(encoder_position_of(self, encoder), FMU_INT);
     } else if (index <= FMU_COS_MINUS) {
         *to = real(volts(self, encoder, index));
     } else {
@@ -135,7 +135,7 @@ int fmu_get(struct fmu *self, uint32_t reference, struct fmu_value *to)
 }
 
 /* Numbers are all alike, as FMI 2 has no integers of 64 bits. */
-static bool fits(const struct fmu_value *value, enum fmu_type type)
+static bool fits_variable(const struct fmu_value *value, enum fmu_type type)
 {
     const enum fmu_type given = value->type == FMU_INT ? FMU_REAL : value->type;
     return given == (type == FMU_INT ? FMU_REAL : type);
@@ -156,7 +156,7 @@ static int set_power(struct fmu *self, struct fmu_encoder *encoder, bool on)
 static int set_input(struct fmu *self, struct fmu_encoder *encoder, uint32_t index,
                      const struct fmu_value *value)
 {
-    if (!fits(value, index == FMU_POWER ? FMU_BOOL : FMU_REAL)) {
+    if (!fits_variable(value, index == FMU_POWER ? FMU_BOOL : FMU_REAL)) {
         return DG_HOST_ERR_ARGUMENT;
     }
     if (index < FMU_POWER && (encoder->owner >= 0 || !fmu_is_small(value->real, 1e300))) {
@@ -199,7 +199,7 @@ static int set_key(struct fmu *self, struct fmu_encoder *encoder, uint32_t index
     if (dg_host_key(encoder->host, index, &key) != DG_HOST_OK) {
         return DG_HOST_ERR_NAME;
     }
-    if (!fits(value, fmu_key_type(encoder->host, &key))) {
+    if (!fits_variable(value, fmu_key_type(encoder->host, &key))) {
         return DG_HOST_ERR_ARGUMENT;
     }
     if (key.always) {
@@ -216,7 +216,7 @@ static int set_key(struct fmu *self, struct fmu_encoder *encoder, uint32_t index
     return dg_host_set(encoder->host, key.name, text);
 }
 
-static int happen(struct fmu *self, struct fmu_encoder *encoder, uint32_t index, bool on)
+static int set_fault(struct fmu *self, struct fmu_encoder *encoder, uint32_t index, bool on)
 {
     struct dg_host_fault fault;
     struct dg_host_panel *panel = encoder_panel(self, encoder);
@@ -231,7 +231,7 @@ static int happen(struct fmu *self, struct fmu_encoder *encoder, uint32_t index,
 int encoder_begin_fault(struct fmu *self, struct fmu_encoder *encoder, uint32_t index)
 {
     const bool on = (encoder->now.faults[index / 64u] >> index % 64u & 1u) != 0;
-    return on ? happen(self, encoder, index, true) : DG_HOST_OK;
+    return on ? set_fault(self, encoder, index, true) : DG_HOST_OK;
 }
 
 /* Before power those that are set wait for it. */
@@ -245,7 +245,7 @@ int encoder_set_fault(struct fmu *self, struct fmu_encoder *encoder, uint32_t in
     if (on == ((*bits & bit) != 0)) {
         return DG_HOST_OK;
     }
-    const int result = self->started ? happen(self, encoder, index, on) : DG_HOST_OK;
+    const int result = self->started ? set_fault(self, encoder, index, on) : DG_HOST_OK;
     if (result == DG_HOST_OK || !on) {
         *bits ^= bit;
     }
@@ -271,7 +271,7 @@ int fmu_set(struct fmu *self, uint32_t reference, const struct fmu_value *value)
         fmu_settle(self);
         return set_key(self, encoder, index, value);
     case FMU_FAULT:
-        if (!fits(value, FMU_BOOL)) {
+        if (!fits_variable(value, FMU_BOOL)) {
             return DG_HOST_ERR_ARGUMENT;
         }
         fmu_settle(self);

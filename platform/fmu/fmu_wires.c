@@ -23,20 +23,20 @@ enum {
 /* Errors of a sender that make it go bus-off; nobody counts beyond. */
 #define BUS_OFF_ERRORS 256u
 
-static void put32(uint8_t *to, uint32_t value)
+static void put_le32(uint8_t *to, uint32_t value)
 {
     for (unsigned i = 0; i < 4; i++) {
         to[i] = (uint8_t)(value >> 8 * i);
     }
 }
 
-static uint32_t get32(const uint8_t *from)
+static uint32_t get_le32(const uint8_t *from)
 {
     return (uint32_t)from[0] | (uint32_t)from[1] << 8 | (uint32_t)from[2] << 16 |
            (uint32_t)from[3] << 24;
 }
 
-static uint16_t get16(const uint8_t *from)
+static uint16_t get_le16(const uint8_t *from)
 {
     return (uint16_t)(from[0] | from[1] << 8);
 }
@@ -56,12 +56,12 @@ static uint8_t *room(struct fmu_course *now, size_t n)
     return at;
 }
 
-static uint8_t *operation(struct fmu_course *now, uint32_t code, size_t n)
+static uint8_t *put_operation(struct fmu_course *now, uint32_t code, size_t n)
 {
     uint8_t *at = room(now, n);
     if (at != NULL) {
-        put32(at, code);
-        put32(at + 4, (uint32_t)n);
+        put_le32(at, code);
+        put_le32(at + 4, (uint32_t)n);
     }
     return at;
 }
@@ -70,11 +70,11 @@ static uint8_t *operation(struct fmu_course *now, uint32_t code, size_t n)
 
 static void frame_out(struct fmu_course *now, const struct dg_host_event *event)
 {
-    uint8_t *at = operation(now, TRANSMIT, TRANSMIT_SIZE + (size_t)event->length);
+    uint8_t *at = put_operation(now, TRANSMIT, TRANSMIT_SIZE + (size_t)event->length);
     if (at == NULL) {
         return;
     }
-    put32(at + 8, event->id);
+    put_le32(at + 8, event->id);
     at[12] = 0;
     at[13] = (event->flags & DG_HOST_REMOTE) != 0 ? 1 : 0;
     at[14] = event->length;
@@ -88,7 +88,7 @@ static void frame_out(struct fmu_course *now, const struct dg_host_event *event)
 
 static void tell_status(struct fmu_course *now)
 {
-    uint8_t *at = operation(now, STATUS, HEADER_SIZE + 1);
+    uint8_t *at = put_operation(now, STATUS, HEADER_SIZE + 1);
     if (at != NULL) {
         at[8] = (uint8_t)(now->bus + 1u);
     }
@@ -100,10 +100,10 @@ void wire_configure(struct fmu_encoder *self)
         return;
     }
     const int rate = dg_host_bit_rate(self->host);
-    uint8_t *at = rate <= 0 ? NULL : operation(&self->now, CONFIGURATION, HEADER_SIZE + 5);
+    uint8_t *at = rate <= 0 ? NULL : put_operation(&self->now, CONFIGURATION, HEADER_SIZE + 5);
     if (at != NULL) {
         at[8] = 1; /* CAN_BAUDRATE */
-        put32(at + 9, (uint32_t)rate * 1000u);
+        put_le32(at + 9, (uint32_t)rate * 1000u);
         tell_status(&self->now);
         self->now.configured = true;
     }
@@ -120,7 +120,7 @@ static enum dg_host_bus state_of(const struct fmu_course *of)
 }
 
 /* A fault may make the controller worse than what it has counted. */
-static void follow_controller(struct fmu_encoder *self)
+static void follow_bus_state(struct fmu_encoder *self)
 {
     const int counted = (int)state_of(&self->now);
     const int known = dg_host_bus_state(self->host);
@@ -171,14 +171,14 @@ int wire_reset(struct fmu_encoder *self, uint64_t now)
 static int frame_in(struct fmu_encoder *self, uint64_t now, const uint8_t *at, size_t n)
 {
     struct dg_host_event event = {.at = now, .kind = DG_HOST_CAN};
-    const size_t length = get16(at + 14);
+    const size_t length = get_le16(at + 14);
     if (length > 8 || n < TRANSMIT_SIZE + length) {
         return DG_HOST_ERR_ARGUMENT;
     }
     if (at[12] != 0) {
         return DG_HOST_OK; /* the controller takes standard frames */
     }
-    event.id = get32(at + 8);
+    event.id = get_le32(at + 8);
     event.flags = at[13] != 0 ? DG_HOST_REMOTE : 0;
     event.length = (uint8_t)length;
     memcpy(event.data, at + TRANSMIT_SIZE, length);
@@ -191,7 +191,7 @@ static int frame_in(struct fmu_encoder *self, uint64_t now, const uint8_t *at, s
 
 static int operation_in(struct fmu_encoder *self, uint64_t now, const uint8_t *at, size_t n)
 {
-    switch (get32(at)) {
+    switch (get_le32(at)) {
     case TRANSMIT:
         return n < TRANSMIT_SIZE ? DG_HOST_ERR_ARGUMENT : frame_in(self, now, at, n);
     case CONFIRM:
@@ -208,7 +208,7 @@ static int take_can(struct fmu_encoder *self, uint64_t now, const uint8_t *bytes
 {
     int result = DG_HOST_OK;
     while (result == DG_HOST_OK && n > 0) {
-        const size_t length = n < HEADER_SIZE ? 0 : get32(bytes + 4);
+        const size_t length = n < HEADER_SIZE ? 0 : get_le32(bytes + 4);
         if (length < HEADER_SIZE || length > n) {
             return DG_HOST_ERR_ARGUMENT;
         }
@@ -232,9 +232,9 @@ static void characters_out(struct fmu_course *now, const struct dg_host_event *e
         return;
     }
     memset(at, 0, SERIAL_SIZE);
-    put32(at, (uint32_t)event->at);
-    put32(at + 4, (uint32_t)(event->at >> 32));
-    put32(at + 8, event->id);
+    put_le32(at, (uint32_t)event->at);
+    put_le32(at + 4, (uint32_t)(event->at >> 32));
+    put_le32(at + 8, event->id);
     at[12] = event->length;
     at[14] = (uint8_t)(event->flags & DG_HOST_DAMAGED);
     memcpy(at + SERIAL_SIZE, event->data, event->length);
@@ -242,7 +242,7 @@ static void characters_out(struct fmu_course *now, const struct dg_host_event *e
 
 static int characters_in(struct fmu_encoder *self, uint64_t at, const uint8_t *head, size_t n)
 {
-    struct dg_host_event event = {.kind = DG_HOST_BYTES, .id = get32(head + 8)};
+    struct dg_host_event event = {.kind = DG_HOST_BYTES, .id = get_le32(head + 8)};
     const uint8_t *from = head + SERIAL_SIZE;
     struct dg_host_uart uart = {.baud = 9600};
     event.flags = head[14] & DG_HOST_DAMAGED;
@@ -266,15 +266,16 @@ static int characters_in(struct fmu_encoder *self, uint64_t at, const uint8_t *h
     return DG_HOST_OK;
 }
 
-static int take_serial(struct fmu_encoder *self, uint64_t now, const uint8_t *bytes, size_t n)
+static int take_serial_operation(struct fmu_encoder *self, uint64_t now, const uint8_t *bytes,
+                                 size_t n)
 {
     int result = DG_HOST_OK;
     while (result == DG_HOST_OK && n > 0) {
-        const size_t count = n < SERIAL_SIZE ? n : get16(bytes + 12);
+        const size_t count = n < SERIAL_SIZE ? n : get_le16(bytes + 12);
         if (n < SERIAL_SIZE || count > n - SERIAL_SIZE) {
             return DG_HOST_ERR_ARGUMENT;
         }
-        const uint64_t at = get32(bytes) | (uint64_t)get32(bytes + 4) << 32;
+        const uint64_t at = get_le32(bytes) | (uint64_t)get_le32(bytes + 4) << 32;
         result = characters_in(self, at > now ? at : now, bytes, count);
         bytes += SERIAL_SIZE + count;
         n -= SERIAL_SIZE + count;
@@ -289,7 +290,7 @@ int wire_take(struct fmu_encoder *self, uint64_t now, const uint8_t *bytes, size
     if ((self->has & FMU_HAS_FRAMES) != 0) {
         return take_can(self, now, bytes, n);
     }
-    return (self->has & FMU_HAS_CHARACTERS) != 0 ? take_serial(self, now, bytes, n)
+    return (self->has & FMU_HAS_CHARACTERS) != 0 ? take_serial_operation(self, now, bytes, n)
                                                  : DG_HOST_ERR_WIRE;
 }
 
@@ -301,7 +302,7 @@ void wire_collect(struct fmu_encoder *self)
         if (!self->now.configured) {
             return; /* a bus knows its bit rate before there are frames */
         }
-        follow_controller(self);
+        follow_bus_state(self);
     }
     while (self->now.taken || sizeof self->now.out - self->now.waiting >= most) {
         const int result = dg_host_receive(self->host, &event);

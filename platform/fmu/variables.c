@@ -59,8 +59,8 @@ static const struct fixed_row behind[] = {
 };
 /* clang-format on */
 
-static void name_it(struct fmu_variable *to, const struct fmu_encoder *of, const char *room,
-                    const char *name)
+static void name_variable(struct fmu_variable *to, const struct fmu_encoder *of, const char *room,
+                          const char *name)
 {
     (void)snprintf(to->name, sizeof to->name, "%.48s%.10s%.36s", of->prefix, room, name);
 }
@@ -83,7 +83,7 @@ static bool fixed(const struct fmu_encoder *of, const struct fixed_row *rows, si
         to->unit = row->unit;
         (void)snprintf(to->start, sizeof to->start, "%s", row->start);
         (void)snprintf(to->help, sizeof to->help, "%s", row->help);
-        name_it(to, of, "", row->name);
+        name_variable(to, of, "", row->name);
         return true;
     }
     return false;
@@ -147,7 +147,7 @@ static bool setting(const struct fmu_encoder *of, size_t *index, struct fmu_vari
         (void)snprintf(to->start, sizeof to->start, "%s", to->start[0] == '1' ? "true" : "false");
     }
     help_on(of->host, &key, to);
-    name_it(to, of, key.always ? "world." : "", key.name);
+    name_variable(to, of, key.always ? "world." : "", key.name);
     return true;
 }
 
@@ -169,7 +169,7 @@ static bool fault(struct fmu *self, struct fmu_encoder *of, size_t *index, struc
         to->input = true;
         (void)snprintf(to->start, sizeof to->start, "false");
         (void)snprintf(to->help, sizeof to->help, "%.100s -> %.140s", entry.cause, entry.effect);
-        name_it(to, of, "fault.", entry.name);
+        name_variable(to, of, "fault.", entry.name);
         return true;
     }
     return false;

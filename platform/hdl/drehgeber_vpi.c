@@ -40,7 +40,7 @@ static struct arguments arguments_of(vpiHandle call)
     return self;
 }
 
-static void text_of(vpiHandle handle, char *to)
+static void copy_vpi_string(vpiHandle handle, char *to)
 {
     s_vpi_value value = {.format = vpiStringVal};
 
@@ -53,7 +53,7 @@ static void text_of(vpiHandle handle, char *to)
     }
 }
 
-static int32_t number_of(vpiHandle handle)
+static int32_t integer_of(vpiHandle handle)
 {
     s_vpi_value value = {.format = vpiIntVal};
 
@@ -69,7 +69,7 @@ static double real_of(vpiHandle handle)
     return value.value.real;
 }
 
-static void put_number(vpiHandle to, int32_t number)
+static void put_vpi_number(vpiHandle to, int32_t number)
 {
     s_vpi_value value = {.format = vpiIntVal, .value.integer = number};
 
@@ -99,7 +99,7 @@ static void now(int32_t *us, int32_t *ps)
 }
 
 /* @return how long it is */
-static int32_t read_text(int32_t id, enum dg_hdl_text which, char *text)
+static int32_t read_vpi_text(int32_t id, enum dg_hdl_text which, char *text)
 {
     int32_t n = 0;
 
@@ -112,10 +112,10 @@ static int32_t read_text(int32_t id, enum dg_hdl_text which, char *text)
 }
 
 /* One line, and the simulation is over and has failed. */
-static void fail(vpiHandle call, int32_t id, const char *instead)
+static void fail_simulation(vpiHandle call, int32_t id, const char *instead)
 {
     char text[TEXT_MAX];
-    const int32_t n = read_text(id, DG_HDL_ERROR, text);
+    const int32_t n = read_vpi_text(id, DG_HDL_ERROR, text);
 
     vpi_printf("FATAL: %s: %s\n", vpi_get_str(vpiFullName, vpi_handle(vpiScope, call)),
                n > 0 ? text : instead);
@@ -133,16 +133,16 @@ static PLI_INT32 make(PLI_BYTE8 *unused)
 
     (void)unused;
     for (int i = 0; i < 4; i++) {
-        text_of(arguments.handle[i], text[i]);
+        copy_vpi_string(arguments.handle[i], text[i]);
     }
     strncpy(name, vpi_get_str(vpiFullName, vpi_handle(vpiScope, call)), sizeof name - 1);
     name[sizeof name - 1] = '\0';
     int32_t id = dg_hdl_make(name, text[0], text[1], text[2], text[3]);
     if (id < 0 || dg_hdl_character(id, DG_HDL_ERROR, 0) != 0) {
-        fail(call, id, "no memory for an encoder");
+        fail_simulation(call, id, "no memory for an encoder");
         id = -1;
     }
-    put_number(call, id);
+    put_vpi_number(call, id);
     return 0;
 }
 
@@ -151,19 +151,19 @@ static PLI_INT32 look(PLI_BYTE8 *unused)
 {
     vpiHandle call = vpi_handle(vpiSysTfCall, NULL);
     const struct arguments arguments = arguments_of(call);
-    const int32_t id = number_of(arguments.handle[0]);
+    const int32_t id = integer_of(arguments.handle[0]);
     int32_t us;
     int32_t ps;
 
     (void)unused;
     now(&us, &ps);
-    const int32_t levels = id < 0 ? 0 : dg_hdl_look(id, us, ps, number_of(arguments.handle[1]));
+    const int32_t levels = id < 0 ? 0 : dg_hdl_look(id, us, ps, integer_of(arguments.handle[1]));
     if ((levels & DG_HDL_HINT) != 0) {
         char text[TEXT_MAX];
-        (void)read_text(id, DG_HDL_NOTE, text);
+        (void)read_vpi_text(id, DG_HDL_NOTE, text);
         vpi_printf("%s\n", text);
     }
-    put_number(call, levels);
+    put_vpi_number(call, levels);
     return 0;
 }
 
@@ -172,14 +172,14 @@ static PLI_INT32 rest(PLI_BYTE8 *unused)
 {
     vpiHandle call = vpi_handle(vpiSysTfCall, NULL);
     const struct arguments arguments = arguments_of(call);
-    const int32_t id = number_of(arguments.handle[0]);
+    const int32_t id = integer_of(arguments.handle[0]);
     const int32_t most = 1000000000;
     int32_t us;
     int32_t ps;
 
     (void)unused;
     now(&us, &ps);
-    put_number(call, id < 0 ? most : dg_hdl_rest(id, us, ps, most));
+    put_vpi_number(call, id < 0 ? most : dg_hdl_rest(id, us, ps, most));
     return 0;
 }
 
@@ -188,17 +188,17 @@ static PLI_INT32 steer(PLI_BYTE8 *unused)
 {
     vpiHandle call = vpi_handle(vpiSysTfCall, NULL);
     const struct arguments arguments = arguments_of(call);
-    const int32_t id = number_of(arguments.handle[0]);
+    const int32_t id = integer_of(arguments.handle[0]);
     char text[TEXT_MAX];
     int32_t us;
     int32_t ps;
 
     (void)unused;
     now(&us, &ps);
-    text_of(arguments.handle[2], text);
-    if (id >= 0 && dg_hdl_steer(id, us, ps, number_of(arguments.handle[1]), text,
+    copy_vpi_string(arguments.handle[2], text);
+    if (id >= 0 && dg_hdl_steer(id, us, ps, integer_of(arguments.handle[1]), text,
                                 real_of(arguments.handle[3])) < 0) {
-        fail(call, id, "failed");
+        fail_simulation(call, id, "failed");
     }
     return 0;
 }
@@ -208,11 +208,11 @@ static PLI_INT32 answer(PLI_BYTE8 *unused)
 {
     vpiHandle call = vpi_handle(vpiSysTfCall, NULL);
     const struct arguments arguments = arguments_of(call);
-    const int32_t id = number_of(arguments.handle[0]);
+    const int32_t id = integer_of(arguments.handle[0]);
     char text[TEXT_MAX];
 
     (void)unused;
-    (void)read_text(id, DG_HDL_ANSWER, text);
+    (void)read_vpi_text(id, DG_HDL_ANSWER, text);
     s_vpi_value value = {.format = vpiStringVal, .value.str = text};
     vpi_put_value(arguments.handle[1], &value, NULL, vpiNoDelay);
     return 0;
@@ -223,14 +223,14 @@ static PLI_INT32 read_real(PLI_BYTE8 *unused)
 {
     vpiHandle call = vpi_handle(vpiSysTfCall, NULL);
     const struct arguments arguments = arguments_of(call);
-    const int32_t id = number_of(arguments.handle[0]);
+    const int32_t id = integer_of(arguments.handle[0]);
     int32_t us;
     int32_t ps;
 
     (void)unused;
     now(&us, &ps);
     put_real(arguments.handle[2],
-             id < 0 ? 0.0 : dg_hdl_real(id, us, ps, number_of(arguments.handle[1])));
+             id < 0 ? 0.0 : dg_hdl_real(id, us, ps, integer_of(arguments.handle[1])));
     return 0;
 }
 

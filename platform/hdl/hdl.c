@@ -50,7 +50,7 @@ const char *dg_hdl_error(const struct dg_hdl *self)
 /* --- settings --- */
 
 /* What a key of the encoder takes, for whoever has given something else. */
-static void describe(const struct dg_host *host, const char *name, struct lx_words *to)
+static void describe_setting(const struct dg_host *host, const char *name, struct lx_words *to)
 {
     struct dg_host_key key;
     size_t i = 0;
@@ -72,7 +72,8 @@ static void describe(const struct dg_host *host, const char *name, struct lx_wor
     }
 }
 
-static int set_one(struct dg_hdl *self, struct dg_host *host, const char *name, const char *value)
+static int set_hdl_setting(struct dg_hdl *self, struct dg_host *host, const char *name,
+                           const char *value)
 {
     const struct dg_key *own = dg_keys_find(&keys, name);
     const int result =
@@ -91,7 +92,7 @@ static int set_one(struct dg_hdl *self, struct dg_host *host, const char *name, 
         const double unit = own->places == 0 ? 1.0 : 1000.0;
         lx_words_add(&right, "%.10g..%.10g", (double)own->min / unit, (double)own->max / unit);
     } else {
-        describe(host, name, &right);
+        describe_setting(host, name, &right);
     }
     return hdl_fail(self, result, "%s=%s: expected %s", name, value, right.text);
 }
@@ -117,7 +118,7 @@ static int set_all(struct dg_hdl *self, struct dg_host *host, const char *settin
             return hdl_fail(self, DG_HOST_ERR_ARGUMENT, "'%s' is not KEY=VALUE", text);
         }
         *value++ = '\0';
-        result = set_one(self, host, text, value);
+        result = set_hdl_setting(self, host, text, value);
         word += n;
     }
     return result;
@@ -125,7 +126,7 @@ static int set_all(struct dg_hdl *self, struct dg_host *host, const char *settin
 
 /* --- the encoder --- */
 
-static void *allocate(size_t size)
+static void *allocate_aligned(size_t size)
 {
     return aligned_alloc(DG_HOST_ALIGN,
                          (size + DG_HOST_ALIGN - 1u) / DG_HOST_ALIGN * DG_HOST_ALIGN);
@@ -154,7 +155,7 @@ static struct dg_host *make_in(struct dg_hdl *self, void *memory, size_t size, c
 static struct dg_host *make_host(struct dg_hdl *self, const char *model, const char *settings)
 {
     const size_t size = size_of(self, model);
-    void *memory = size != 0 ? allocate(size) : NULL;
+    void *memory = size != 0 ? allocate_aligned(size) : NULL;
     struct dg_host *host = memory != NULL ? make_in(self, memory, size, model) : NULL;
 
     if (size == 0) {
@@ -190,7 +191,7 @@ static int choose_wire(struct dg_hdl *self)
 }
 
 /* A new file has what another encoder with these settings finds in its EEPROM. */
-static int open_memory(struct dg_hdl *self, const char *settings, const char *path)
+static int open_hdl_memory(struct dg_hdl *self, const char *settings, const char *path)
 {
     const size_t size = dg_host_memory_size(self->host);
     struct lx_nvm_image image = {.size = (uint32_t)size, .answer = "nothing is stored"};
@@ -231,7 +232,7 @@ static void heard(void *ctx, const struct dg_host_event *event)
 
 static int make_panel(struct dg_hdl *self)
 {
-    void *memory = allocate(dg_host_panel_size());
+    void *memory = allocate_aligned(dg_host_panel_size());
 
     self->panel =
         memory != NULL ? dg_host_panel_make(memory, dg_host_panel_size(), self->host) : NULL;
@@ -244,7 +245,7 @@ static int make_panel(struct dg_hdl *self)
 
 /* It can be asked and steered from the first moment on. Its lines are at rest until its power
    comes, which is switched on for them in dg_hdl_wires(). */
-static int start(struct dg_hdl *self, const char *settings, const char *memory)
+static int start_encoder(struct dg_hdl *self, const char *settings, const char *memory)
 {
     int result = dg_host_power(self->host, 0, true);
 
@@ -283,9 +284,9 @@ static int set_up(struct dg_hdl *self, const char *model, const char *settings, 
     }
     int result = choose_wire(self);
     if (result == DG_HOST_OK && memory[0] != '\0') {
-        result = open_memory(self, settings, memory);
+        result = open_hdl_memory(self, settings, memory);
     }
-    return result == DG_HOST_OK ? start(self, settings, memory) : result;
+    return result == DG_HOST_OK ? start_encoder(self, settings, memory) : result;
 }
 
 struct dg_hdl *dg_hdl_open(const char *model, const char *settings, const char *motion,

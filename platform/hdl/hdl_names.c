@@ -37,7 +37,7 @@ void dg_hdl_make_none(void)
     count = 0;
 }
 
-static int64_t ps_of(int32_t us, int32_t ps)
+static int64_t ps_of_us(int32_t us, int32_t ps)
 {
     return (int64_t)us * PS_PER_US + ps;
 }
@@ -105,13 +105,13 @@ int32_t dg_hdl_make(const char *name, const char *model, const char *settings, c
 
 int32_t dg_hdl_look(int32_t id, int32_t us, int32_t ps, int32_t inputs)
 {
-    return dg_hdl_wires(encoder_of(id), ps_of(us, ps), inputs);
+    return dg_hdl_wires(encoder_of(id), ps_of_us(us, ps), inputs);
 }
 
 int32_t dg_hdl_rest(int32_t id, int32_t us, int32_t ps, int32_t most)
 {
     const int64_t next = dg_hdl_next(encoder_of(id));
-    const int64_t rest = next - ps_of(us, ps);
+    const int64_t rest = next - ps_of_us(us, ps);
 
     return next == DG_HDL_NEVER || rest > most ? most : (int32_t)rest;
 }
@@ -121,7 +121,7 @@ int32_t dg_hdl_steer(int32_t id, int32_t us, int32_t ps, int32_t what, const cha
                      double value)
 {
     struct dg_hdl *self = encoder_of(id);
-    const int64_t now = ps_of(us, ps);
+    const int64_t now = ps_of_us(us, ps);
 
     switch ((enum dg_hdl_steering)what) {
     case DG_HDL_TURN:
@@ -161,7 +161,7 @@ int32_t dg_hdl_character(int32_t id, int32_t which, int32_t index)
 double dg_hdl_real(int32_t id, int32_t us, int32_t ps, int32_t what)
 {
     const struct dg_hdl *self = encoder_of(id);
-    const int64_t at = ps_of(us, ps);
+    const int64_t at = ps_of_us(us, ps);
 
     switch ((enum dg_hdl_look)what) {
     case DG_HDL_POSITION:

@@ -13,12 +13,12 @@
 
 /* --- queues --- */
 
-static struct hdl_change *nth(struct hdl_queue *self, size_t n)
+static struct hdl_change *nth_level(struct hdl_queue *self, size_t n)
 {
     return &self->change[(self->first + n) % self->room];
 }
 
-static bool grow(struct hdl_queue *self)
+static bool grow_queue(struct hdl_queue *self)
 {
     const size_t room = self->room == 0 ? 64u : 2u * self->room;
     struct hdl_change *change = malloc(room * sizeof *change);
@@ -27,7 +27,7 @@ static bool grow(struct hdl_queue *self)
         return false;
     }
     for (size_t i = 0; i < self->count; i++) {
-        change[i] = *nth(self, i);
+        change[i] = *nth_level(self, i);
     }
     free(self->change);
     self->change = change;
@@ -38,26 +38,26 @@ static bool grow(struct hdl_queue *self)
 
 /* Nothing overtakes what is on its way already. Without memory the newest change replaces the one
    before: the levels at the end are right. */
-static void put(struct hdl_queue *self, int64_t at, int levels)
+static void queue_levels(struct hdl_queue *self, int64_t at, int levels)
 {
     self->last = at > self->last ? at : self->last;
     self->levels = levels;
-    if (self->count == self->room && !grow(self)) {
+    if (self->count == self->room && !grow_queue(self)) {
         if (self->count == 0) {
             return;
         }
         self->count--;
     }
     self->count++;
-    *nth(self, self->count - 1u) = (struct hdl_change){self->last, levels};
+    *nth_level(self, self->count - 1u) = (struct hdl_change){self->last, levels};
 }
 
-static int64_t head_of(const struct hdl_queue *self)
+static int64_t first_level_at(const struct hdl_queue *self)
 {
     return self->count != 0 ? self->change[self->first].at : HDL_NEVER;
 }
 
-static int take(struct hdl_queue *self)
+static int take_levels(struct hdl_queue *self)
 {
     const int levels = self->change[self->first].levels;
 
@@ -87,7 +87,7 @@ void hdl_put(struct dg_hdl *self, int64_t now, int levels)
 {
     if (levels != self->out.levels) {
         const struct hdl_settings *settings = &self->settings;
-        put(&self->out, now + settings->tco + settings->delay_out + jitter(self), levels);
+        queue_levels(&self->out, now + settings->tco + settings->delay_out + jitter(self), levels);
     }
 }
 
@@ -96,11 +96,11 @@ void hdl_cut(struct dg_hdl *self)
     struct hdl_queue *out = &self->out;
     const int64_t sent = self->now + self->settings.tco + self->settings.delay_out;
 
-    while (out->count != 0 && nth(out, out->count - 1u)->at > sent) {
+    while (out->count != 0 && nth_level(out, out->count - 1u)->at > sent) {
         out->count--;
     }
-    out->levels = out->count != 0 ? nth(out, out->count - 1u)->levels : self->outputs;
-    out->last = out->count != 0 ? nth(out, out->count - 1u)->at : self->now;
+    out->levels = out->count != 0 ? nth_level(out, out->count - 1u)->levels : self->outputs;
+    out->last = out->count != 0 ? nth_level(out, out->count - 1u)->at : self->now;
     if (self->wire->reset != NULL) {
         self->wire->reset(self);
         hdl_put(self, self->now, self->wire->idle_out);
@@ -109,29 +109,30 @@ void hdl_cut(struct dg_hdl *self)
 
 /* --- time --- */
 
-static int64_t earlier(int64_t a, int64_t b)
+static int64_t earlier_of(int64_t a, int64_t b)
 {
     return a < b ? a : b;
 }
 
-static int64_t ps_of(uint64_t ns)
+static int64_t ps_of_ns(uint64_t ns)
 {
     return ns > (uint64_t)(HDL_NEVER / HDL_PS_PER_NS) ? HDL_NEVER : (int64_t)ns * HDL_PS_PER_NS;
 }
 
 static int64_t own_due(const struct dg_hdl *self)
 {
-    const int64_t host = earlier(ps_of(dg_host_next(self->host)), self->panel_due);
+    const int64_t host = earlier_of(ps_of_ns(dg_host_next(self->host)), self->panel_due);
 
-    const int64_t due = earlier(host, self->power_at);
+    const int64_t due = earlier_of(host, self->power_at);
 
-    return self->wire->due != NULL ? earlier(due, self->wire->due(self)) : due;
+    return self->wire->due != NULL ? earlier_of(due, self->wire->due(self)) : due;
 }
 
 /* Whoever has changed something of the encoder, or has put a change on its way, ends with this. */
 static void note_due(struct dg_hdl *self)
 {
-    self->due = earlier(earlier(head_of(&self->in), head_of(&self->out)), own_due(self));
+    self->due = earlier_of(earlier_of(first_level_at(&self->in), first_level_at(&self->out)),
+                           own_due(self));
 }
 
 /* The first power: what the encoder has seen of its lines so far is nothing. */
@@ -150,7 +151,7 @@ static void switch_power_on(struct dg_hdl *self, int64_t at)
 }
 
 /* What the encoder does at `at`. */
-static void serve(struct dg_hdl *self, int64_t at)
+static void serve_encoder(struct dg_hdl *self, int64_t at)
 {
     if (self->power_at <= at) {
         switch_power_on(self, at);
@@ -158,43 +159,43 @@ static void serve(struct dg_hdl *self, int64_t at)
     if (self->wire->run != NULL && self->wire->due(self) <= at) {
         self->wire->run(self, at);
     }
-    self->panel_due = ps_of(dg_host_panel_step(self->panel, (uint64_t)(at / HDL_PS_PER_NS)));
+    self->panel_due = ps_of_ns(dg_host_panel_step(self->panel, (uint64_t)(at / HDL_PS_PER_NS)));
 }
 
 void hdl_look(struct dg_hdl *self)
 {
-    serve(self, self->now);
+    serve_encoder(self, self->now);
     note_due(self);
 }
 
 /* What is due up to `until`. */
 static void run_due(struct dg_hdl *self, int64_t until)
 {
-    int64_t in = head_of(&self->in);
+    int64_t in = first_level_at(&self->in);
     int64_t own = own_due(self);
 
-    while (earlier(in, own) <= until) {
+    while (earlier_of(in, own) <= until) {
         /* An encoder that asks for the present again would stop time. */
-        const int64_t at = earlier(in, own);
+        const int64_t at = earlier_of(in, own);
         self->now = at > self->now ? at : self->now;
         if (in <= own) {
-            self->wire->take(self, self->now, take(&self->in));
+            self->wire->take(self, self->now, take_levels(&self->in));
         } else {
-            serve(self, self->now);
+            serve_encoder(self, self->now);
         }
         const int64_t later = own_due(self);
-        in = head_of(&self->in);
+        in = first_level_at(&self->in);
         own = later > self->now ? later : self->now + 1;
     }
-    while (head_of(&self->out) <= until) {
-        self->outputs = take(&self->out);
+    while (first_level_at(&self->out) <= until) {
+        self->outputs = take_levels(&self->out);
     }
     note_due(self);
 }
 
 uint64_t hdl_run(struct dg_hdl *self, int64_t now)
 {
-    const int64_t present = earlier(now, HDL_END);
+    const int64_t present = earlier_of(now, HDL_END);
     const int64_t until = present > self->now ? present : self->now;
 
     if (self->due <= until) {
@@ -206,11 +207,11 @@ uint64_t hdl_run(struct dg_hdl *self, int64_t now)
 
 int64_t dg_hdl_next(const struct dg_hdl *self)
 {
-    int64_t next = earlier(self->due, self->hint_due);
+    int64_t next = earlier_of(self->due, self->hint_due);
 
     /* Time that nobody looks at is time that nobody can steer in. */
     if (self->control != NULL) {
-        next = earlier(next, self->now + HDL_CONTROL_REST);
+        next = earlier_of(next, self->now + HDL_CONTROL_REST);
     }
     if (next == HDL_NEVER) {
         return DG_HDL_NEVER;
@@ -228,7 +229,7 @@ static bool takes_edges(struct dg_hdl *self, int delayed)
     if (!self->looked) {
         self->looked = true;
         self->power_at = self->now + self->settings.power_on;
-        self->due = earlier(self->due, self->power_at);
+        self->due = earlier_of(self->due, self->power_at);
     }
     self->listens = self->listens || (self->power_at == HDL_NEVER &&
                                       (delayed == idle || (self->inputs & ~DG_HDL_BEHIND) == idle));
@@ -251,7 +252,7 @@ static int look_for_hint(struct dg_hdl *self)
     uint64_t due;
 
     self->hint = dg_host_hint(self->host, (uint64_t)(self->now / HDL_PS_PER_NS), &due);
-    self->hint_due = ps_of(due);
+    self->hint_due = ps_of_ns(due);
     return self->hint != NULL ? DG_HDL_HINT : 0;
 }
 
@@ -262,7 +263,7 @@ static void send_inputs(struct dg_hdl *self, int levels)
     const int64_t at = self->now + self->settings.delay_in + jitter(self);
 
     if (at > self->now || self->in.count != 0) {
-        put(&self->in, at, levels);
+        queue_levels(&self->in, at, levels);
     } else {
         self->in.last = at;
         self->in.levels = levels;

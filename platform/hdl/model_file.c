@@ -21,7 +21,7 @@
 #define MEMORY_MIN 65536u
 #define MEMORY_MAX 33554432u
 
-static bool ends_so(const char *text, size_t n)
+static bool is_model_file_name(const char *text, size_t n)
 {
     const size_t of_ending = strlen(ENDING);
 
@@ -32,13 +32,13 @@ static bool ends_so(const char *text, size_t n)
 static const char *behind_file(const char *model)
 {
     const size_t n = strlen(model);
-    const char *name = ends_so(model, n) ? model + n : strrchr(model, ':');
+    const char *name = is_model_file_name(model, n) ? model + n : strrchr(model, ':');
 
-    return name != NULL && ends_so(model, (size_t)(name - model)) ? name : NULL;
+    return name != NULL && is_model_file_name(model, (size_t)(name - model)) ? name : NULL;
 }
 
 /* @return bytes, or -1 with an error */
-static long read_text(struct dg_hdl *self, const char *path, char *to)
+static long read_model_text(struct dg_hdl *self, const char *path, char *to)
 {
     struct lx_error error;
     FILE *file = to == NULL ? NULL : lx_file_read(NULL, path, &error);
@@ -56,7 +56,7 @@ static long read_text(struct dg_hdl *self, const char *path, char *to)
 }
 
 /* It asks for more memory by failing. */
-static int read_plan(struct dg_hdl *self, struct dg_plan_setup *setup)
+static int read_model_plan(struct dg_hdl *self, struct dg_plan_setup *setup)
 {
     struct dg_plan_error wrong;
     struct lx_error error;
@@ -99,13 +99,13 @@ static const struct dg_device *choose_model(struct dg_hdl *self, const char *pat
 static const struct dg_device *read_file(struct dg_hdl *self, const char *path, const char *name)
 {
     char *text = malloc(TEXT_MAX);
-    const long n = read_text(self, path, text);
+    const long n = read_model_text(self, path, text);
     struct dg_plan_setup setup = {
         .size = sizeof setup,
         .file = path,
         .text = {text, n < 0 ? 0u : (size_t)n},
     };
-    const bool read = n >= 0 && read_plan(self, &setup) == 0;
+    const bool read = n >= 0 && read_model_plan(self, &setup) == 0;
 
     free(text);
     return read ? choose_model(self, path, name) : NULL;

@@ -82,7 +82,7 @@ void hdl_control_close(struct hdl_control *self)
     free(self);
 }
 
-static void welcome(struct hdl_control *self)
+static void accept_client(struct hdl_control *self)
 {
     self->client = accept4(self->listener, NULL, NULL, SOCK_NONBLOCK | SOCK_CLOEXEC);
     self->begun = false;
@@ -92,7 +92,7 @@ static void welcome(struct hdl_control *self)
 }
 
 /* A line for the session. @return false: an earlier command still waits, and has not answered */
-static bool execute(struct dg_hdl *hdl, const char *line)
+static bool execute_line(struct dg_hdl *hdl, const char *line)
 {
     struct hdl_control *self = hdl->control;
     const uint64_t now = (uint64_t)(hdl->now / HDL_PS_PER_NS);
@@ -124,18 +124,18 @@ static bool send_all(struct hdl_control *self)
 }
 
 /* Without a line a command that waited may answer. @return whether something was done */
-static bool take_line(struct dg_hdl *hdl)
+static bool take_session_line(struct dg_hdl *hdl)
 {
     struct hdl_control *self = hdl->control;
     char *end = memchr(self->input, '\n', self->input_length);
 
     if (end == NULL) {
-        (void)execute(hdl, "");
+        (void)execute_line(hdl, "");
         return self->output_length > 0;
     }
     const size_t n = (size_t)(end + 1 - self->input);
     *end = '\0';
-    if (!execute(hdl, self->input)) {
+    if (!execute_line(hdl, self->input)) {
         *end = '\n';
         return false;
     }
@@ -144,7 +144,7 @@ static bool take_line(struct dg_hdl *hdl)
     return true;
 }
 
-static void receive(struct hdl_control *self)
+static void receive_input(struct hdl_control *self)
 {
     const size_t room = INPUT_MAX - self->input_length;
     const ssize_t n = recv(self->client, self->input + self->input_length, room, MSG_DONTWAIT);
@@ -178,14 +178,14 @@ static void serve_client(struct dg_hdl *hdl)
     struct hdl_control *self = hdl->control;
 
     if (!self->begun) {
-        self->begun = execute(hdl, "*CLS");
+        self->begun = execute_line(hdl, "*CLS");
         self->output_length = 0;
     }
-    receive(self);
-    while (self->begun && send_all(self) && take_line(hdl)) {
+    receive_input(self);
+    while (self->begun && send_all(self) && take_session_line(hdl)) {
     }
     if (self->client >= 0 && self->begun && self->output_length == 0 && is_over(self) &&
-        execute(hdl, "*CLS") && send_all(self)) {
+        execute_line(hdl, "*CLS") && send_all(self)) {
         drop_client(self);
     }
 }
@@ -202,7 +202,7 @@ void hdl_control_poll(struct dg_hdl *self)
     }
     control->polled = now;
     if (control->client < 0) {
-        welcome(control);
+        accept_client(control);
     }
     if (control->client >= 0) {
         serve_client(self);

@@ -14,7 +14,7 @@
 
 /* A real number from the simulator, which may be anything, as a whole one in units of `unit`.
    Upwards, as all angles: one that is written down for a step is in that step. */
-static bool whole(double value, double unit, double max, int64_t *to)
+static bool round_to_units(double value, double unit, double max, int64_t *to)
 {
     if (!(value >= -max && value <= max)) {
         return false;
@@ -25,7 +25,7 @@ static bool whole(double value, double unit, double max, int64_t *to)
 }
 
 /* What a call to the shaft gave. */
-static int turned(struct dg_hdl *self, int result)
+static int report_steering(struct dg_hdl *self, int result)
 {
     hdl_look(self);
     return result == DG_HOST_OK ? result : hdl_fail(self, result, "the shaft cannot do that");
@@ -36,11 +36,12 @@ int dg_hdl_turn(struct dg_hdl *self, int64_t now, double turns)
     const uint64_t ns = hdl_run(self, now);
     int64_t angle;
 
-    if (!whole(turns, TURN, TURNS_MAX, &angle)) {
+    if (!round_to_units(turns, TURN, TURNS_MAX, &angle)) {
         return hdl_fail(self, DG_HOST_ERR_ARGUMENT, "turn: %g is beyond +-%.0f turns", turns,
                         TURNS_MAX);
     }
-    return turned(self, dg_shaft_set_position(dg_host_panel_shaft(self->panel), ns, angle));
+    return report_steering(self,
+                           dg_shaft_set_position(dg_host_panel_shaft(self->panel), ns, angle));
 }
 
 int dg_hdl_speed(struct dg_hdl *self, int64_t now, double rpm)
@@ -49,10 +50,11 @@ int dg_hdl_speed(struct dg_hdl *self, int64_t now, double rpm)
     const double max = DG_MOTION_SPEED_MAX_MRPM / 1000.0;
     int64_t mrpm;
 
-    if (!whole(rpm, 1000.0, max, &mrpm)) {
+    if (!round_to_units(rpm, 1000.0, max, &mrpm)) {
         return hdl_fail(self, DG_HOST_ERR_ARGUMENT, "speed: %g is beyond +-%.0f rpm", rpm, max);
     }
-    return turned(self, dg_shaft_set_velocity(dg_host_panel_shaft(self->panel), ns, (int32_t)mrpm));
+    return report_steering(
+        self, dg_shaft_set_velocity(dg_host_panel_shaft(self->panel), ns, (int32_t)mrpm));
 }
 
 int dg_hdl_motion(struct dg_hdl *self, int64_t now, const char *words)
@@ -67,7 +69,7 @@ int dg_hdl_motion(struct dg_hdl *self, int64_t now, const char *words)
     const int result = dg_shaft_play(dg_host_panel_shaft(self->panel), ns, &wanted.motion);
     lx_shaft_free(&self->shaft);
     self->shaft = wanted;
-    return turned(self, result);
+    return report_steering(self, result);
 }
 
 int dg_hdl_world(struct dg_hdl *self, int64_t now, const char *name, double value)

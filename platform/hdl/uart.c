@@ -32,7 +32,7 @@ static uint32_t stop_bit(const struct hdl_uart *self)
     return 1u + DATA_BITS + (self->parity != 'N' ? 1u : 0u);
 }
 
-static bool configure(struct dg_hdl *self)
+static bool configure_uart(struct dg_hdl *self)
 {
     struct dg_host_uart uart;
 
@@ -44,7 +44,7 @@ static bool configure(struct dg_hdl *self)
     return true;
 }
 
-static bool odd(uint32_t bits)
+static bool is_odd(uint32_t bits)
 {
     bits ^= bits >> 4;
     bits ^= bits >> 2;
@@ -53,7 +53,7 @@ static bool odd(uint32_t bits)
 
 /* --- what the master sends --- */
 
-static void tell(struct dg_hdl *self, uint16_t flags)
+static void report_character(struct dg_hdl *self, uint16_t flags)
 {
     struct dg_host_event event = {.at = (uint64_t)(self->now / HDL_PS_PER_NS),
                                   .flags = flags,
@@ -72,25 +72,25 @@ static bool damaged(const struct hdl_uart *self)
     const bool parity = (self->taken >> (1u + DATA_BITS) & 1u) != 0;
     const bool stop = (self->taken >> stop_bit(self) & 1u) != 0;
 
-    return !stop || (self->parity == 'E' && odd(data) != parity) ||
-           (self->parity == 'O' && odd(data) == parity);
+    return !stop || (self->parity == 'E' && is_odd(data) != parity) ||
+           (self->parity == 'O' && is_odd(data) == parity);
 }
 
-static void tell_character(struct dg_hdl *self)
+static void end_character(struct dg_hdl *self)
 {
     struct hdl_uart *uart = &self->uart;
     const uint16_t flags = damaged(uart) ? DG_HOST_ENDED | DG_HOST_DAMAGED : DG_HOST_ENDED;
 
     uart->receives = false;
     uart->due = HDL_NEVER;
-    tell(self, flags);
+    report_character(self, flags);
 }
 
-static void start(struct dg_hdl *self, int64_t now)
+static void start_character(struct dg_hdl *self, int64_t now)
 {
     struct hdl_uart *uart = &self->uart;
 
-    if (!configure(self)) {
+    if (!configure_uart(self)) {
         return;
     }
     uart->receives = true;
@@ -98,7 +98,7 @@ static void start(struct dg_hdl *self, int64_t now)
     uart->bit = 0;
     uart->taken = 0;
     uart->due = now + bits_ps(uart, 0, 1);
-    tell(self, DG_HOST_START);
+    report_character(self, DG_HOST_START);
 }
 
 static void take_level(struct dg_hdl *self, int64_t now, int levels)
@@ -108,20 +108,20 @@ static void take_level(struct dg_hdl *self, int64_t now, int levels)
 
     uart->high = high;
     if (!high && uart->receives && uart->bit > stop_bit(uart)) {
-        tell_character(self);
+        end_character(self);
     }
     if (!high && !uart->receives) {
-        start(self, now);
+        start_character(self, now);
     }
 }
 
 /* The middle of a bit, or the end of the character. */
-static void sample(struct dg_hdl *self)
+static void sample_bit(struct dg_hdl *self)
 {
     struct hdl_uart *uart = &self->uart;
 
     if (uart->bit > stop_bit(uart)) {
-        tell_character(self);
+        end_character(self);
         return;
     }
     if (uart->bit == 0 && uart->high) {
@@ -140,7 +140,7 @@ static void sample(struct dg_hdl *self)
 static int64_t put_character(struct dg_hdl *self, int64_t at, uint32_t byte)
 {
     const struct hdl_uart *uart = &self->uart;
-    const uint32_t parity = (odd(byte) != (uart->parity == 'O') ? 1u : 0u) << (1u + DATA_BITS);
+    const uint32_t parity = (is_odd(byte) != (uart->parity == 'O') ? 1u : 0u) << (1u + DATA_BITS);
     const uint32_t stop = 1u << stop_bit(uart);
     const uint32_t bits = byte << 1 | (uart->parity != 'N' ? parity : 0) | stop;
 
@@ -157,7 +157,7 @@ static void heard_bytes(struct dg_hdl *self, const struct dg_host_event *event)
     struct hdl_uart *uart = &self->uart;
     int64_t at = (int64_t)event->at * HDL_PS_PER_NS;
 
-    if (!configure(self)) {
+    if (!configure_uart(self)) {
         return;
     }
     if (uart->release != HDL_NEVER && at < uart->release + bits_ps(uart, 0, 1)) {
@@ -185,7 +185,7 @@ static void run(struct dg_hdl *self, int64_t now)
         hdl_put(self, now, IDLE);
     }
     if (uart->due <= now) {
-        sample(self);
+        sample_bit(self);
     }
 }
 

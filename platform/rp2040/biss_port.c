@@ -269,7 +269,7 @@ void on_pio0(void)
 
 /* ------------------------------------------------------------ start */
 
-static void power(bool on)
+static void power_slave(bool on)
 {
     const bool high = !on || dg_biss_slo(biss(), false);
 
@@ -294,7 +294,7 @@ void port_start(void)
     REG(PIO0 + PIO_IRQ0_INTE) = (E1 | TIMEOUT_LOW | TIMEOUT_HIGH) << 8;
     board_interrupt(IRQ_PIO0_0, BOARD_LATCH);
     REG(SCB_SHPR3) = (uint32_t)BOARD_WIRE << 22;
-    power(true);
+    power_slave(true);
     set_timeout();
 }
 
@@ -303,7 +303,7 @@ void port_changed(void)
     const bool on = biss()->line.state != DG_BISS_OFF;
 
     if (!on || !biss()->started) { /* SLO has its level of before the first frame */
-        power(on);
+        power_slave(on);
     }
 }
 

@@ -40,7 +40,7 @@ static void start_clocks(void)
 }
 
 /* SysTick counts down. */
-static uint32_t counted(uint32_t count)
+static uint32_t count_up_of(uint32_t count)
 {
     return 0u - count;
 }
@@ -55,7 +55,7 @@ static void start_time(void)
     const uint32_t before = REG(TIMER_RAWL);
     while (REG(TIMER_RAWL) == before) {
     }
-    cycles_at_zero = counted(REG(SYST_CVR)) - REG(TIMER_RAWL) * (BOARD_HZ / 1000000u);
+    cycles_at_zero = count_up_of(REG(SYST_CVR)) - REG(TIMER_RAWL) * (BOARD_HZ / 1000000u);
 }
 
 void board_start(void)
@@ -76,7 +76,7 @@ dg_ns board_at(uint32_t count)
     } while (REG(TIMER_RAWH) != high);
     /* The timer says which microsecond it is, or is soon: SysTick, which goes round every 134 ms,
        by how many cycles it was another moment. */
-    const uint32_t ahead = counted(count) - cycles_at_zero - low * (BOARD_HZ / 1000000u);
+    const uint32_t ahead = count_up_of(count) - cycles_at_zero - low * (BOARD_HZ / 1000000u);
     const int32_t cycles = (int32_t)(ahead << 8) >> 8;
     return ((dg_ns)high << 32) * 1000u + (dg_ns)low * 1000u +
            (dg_ns)(int64_t)(cycles * (int32_t)BOARD_CYCLE_NS);

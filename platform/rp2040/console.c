@@ -45,7 +45,7 @@ void on_uart0(void)
     }
 }
 
-static void hand_over(void)
+static void hand_over_line(void)
 {
     port_turn(&world, &shaft.shaft);
 }
@@ -55,7 +55,7 @@ static void changed(struct dg_rig *rig, struct dg_encoder *of, dg_ns now)
     (void)rig;
     (void)of;
     (void)now;
-    hand_over();
+    hand_over_line();
 }
 
 static const char *wire(struct dg_rig *rig, const struct dg_encoder *of)
@@ -178,12 +178,12 @@ static dg_ns follow_steps(dg_ns now)
         last_step = now;
         (void)dg_shaft_set_position(&shaft.shaft, now,
                                     dg_angle_of_counts(counts + steps, steps_per_turn));
-        hand_over();
+        hand_over_line();
     }
     return now + (dg_elapsed(now, last_step) < RESTS_NS && last_step != 0 ? STEPPING_NS : STILL_NS);
 }
 
-static void release(void)
+static void release_input(void)
 {
     if (held) {
         held = false;
@@ -204,6 +204,6 @@ dg_ns console_loop(void)
             tail = tail + 1u;
         }
     }
-    release();
+    release_input();
     return head != tail ? now : due;
 }

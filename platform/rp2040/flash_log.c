@@ -54,7 +54,7 @@ static uintptr_t rom(char first, char second)
     return find(rom_tables[0], (uint32_t)(uint8_t)second << 8 | (uint8_t)first);
 }
 
-static void call(char first, char second)
+static void find_rom_function(char first, char second)
 {
     ((void (*)(void))rom(first, second))();
 }
@@ -62,29 +62,29 @@ static void call(char first, char second)
 /* Interrupts go on: nothing of theirs is in flash. */
 static void leave_xip(void)
 {
-    call('I', 'F');
-    call('E', 'X');
+    find_rom_function('I', 'F');
+    find_rom_function('E', 'X');
 }
 
 static void enter_xip(void)
 {
-    call('F', 'C');
-    call('C', 'X');
+    find_rom_function('F', 'C');
+    find_rom_function('C', 'X');
 }
 
-static uint32_t address_of(uint32_t of_half, uint32_t page)
+static uint32_t page_address_of(uint32_t of_half, uint32_t page)
 {
     return AREA + of_half * HALF + page * PAGE;
 }
 
 static const struct page *page_at(uint32_t of_half, uint32_t page)
 {
-    return (const struct page *)(uintptr_t)(XIP + address_of(of_half, page));
+    return (const struct page *)(uintptr_t)(XIP + page_address_of(of_half, page));
 }
 
-static void erase(uint32_t of_half, uint32_t sector)
+static void erase_sector(uint32_t of_half, uint32_t sector)
 {
-    const uint32_t address = address_of(of_half, 0) + sector * SECTOR;
+    const uint32_t address = page_address_of(of_half, 0) + sector * SECTOR;
 
     leave_xip();
     ((void (*)(uint32_t, uint32_t, uint32_t, uint32_t))rom('R', 'E'))(address, SECTOR, 1u << 16,
@@ -93,9 +93,9 @@ static void erase(uint32_t of_half, uint32_t sector)
     flash_log_counters.sectors++;
 }
 
-static bool program(const struct page *from)
+static bool program_page(const struct page *from)
 {
-    const uint32_t address = address_of(half, next);
+    const uint32_t address = page_address_of(half, next);
 
     leave_xip();
     ((void (*)(uint32_t, const void *, uint32_t))rom('R', 'P'))(address, from, PAGE);
@@ -127,7 +127,7 @@ static uint32_t sum_of(const struct page *page)
     return dg_crc32(0, (const uint8_t *)&page->sequence, PAGE - sizeof page->crc);
 }
 
-static bool whole(const struct page *page)
+static bool is_page_whole(const struct page *page)
 {
     return page->id == id && page->piece < pieces && page->left < page->of &&
            page->crc == sum_of(page);
@@ -138,13 +138,13 @@ static uint32_t group_at(uint32_t of_half, uint32_t first)
 {
     const struct page *page = page_at(of_half, first);
 
-    if (!whole(page) || page->left + 1u != page->of || first + page->of > PAGES) {
+    if (!is_page_whole(page) || page->left + 1u != page->of || first + page->of > PAGES) {
         return 0;
     }
     const uint32_t n = page->of;
     for (uint32_t i = 1; i < n; i++) {
         const struct page *follows = page + i;
-        if (!whole(follows) || follows->sequence != page->sequence + i ||
+        if (!is_page_whole(follows) || follows->sequence != page->sequence + i ||
             follows->left + i + 1u != n) {
             return 0;
         }
@@ -152,7 +152,7 @@ static uint32_t group_at(uint32_t of_half, uint32_t first)
     return n;
 }
 
-static void apply(uint32_t of_half, uint32_t first, uint32_t n)
+static void apply_page(uint32_t of_half, uint32_t first, uint32_t n)
 {
     for (uint32_t i = 0; i < n; i++) {
         const struct page *page = page_at(of_half, first + i);
@@ -174,8 +174,8 @@ static void read_log(void)
 {
     for (next = 0; next < PAGES;) {
         const uint32_t n = group_at(half, next);
-        apply(half, next, n);
-        if (whole(page_at(half, next))) {
+        apply_page(half, next, n);
+        if (is_page_whole(page_at(half, next))) {
             sequence = page_at(half, next)->sequence + 1u;
         }
         if (n == 0 && blank(half, next, PAGES - next)) {
@@ -204,7 +204,7 @@ static bool write_group(const bool *wanted, uint32_t n)
         page.of = (uint8_t)n;
         memcpy(page.bytes, written + i * ROOM, ROOM);
         page.crc = sum_of(&page);
-        if (!program(&page)) {
+        if (!program_page(&page)) {
             return false;
         }
     }
@@ -215,7 +215,7 @@ static void erase_next(void)
 {
     to_erase--;
     if (!blank(1u - half, to_erase * (SECTOR / PAGE), SECTOR / PAGE)) {
-        erase(1u - half, to_erase);
+        erase_sector(1u - half, to_erase);
     }
 }
 
@@ -237,7 +237,7 @@ static bool change_halves(void)
 }
 
 /* What has changed since the last time, as it is now. @return how many pieces */
-static uint32_t take(bool *changed)
+static uint32_t take_changes(bool *changed)
 {
     uint32_t n = 0;
 
@@ -253,10 +253,10 @@ static uint32_t take(bool *changed)
     return n;
 }
 
-static int flush(void)
+static int flush_log(void)
 {
     bool changed[PIECES_MAX];
-    const uint32_t n = take(changed);
+    const uint32_t n = take_changes(changed);
 
     if (n == 0) {
         return DG_OK;
@@ -299,7 +299,7 @@ static int sync(void *ctx)
 {
     (void)ctx;
     synced = true;
-    return flash_log_behind ? DG_OK : flush();
+    return flash_log_behind ? DG_OK : flush_log();
 }
 
 struct dg_nvm flash_log_open(const struct dg_store_layout *layout)
@@ -337,7 +337,7 @@ static bool pressing(void)
 dg_ns flash_log_loop(bool idle, bool pause)
 {
     if (synced) {
-        (void)flush();
+        (void)flush_log();
     } else if (to_erase > 0 && (idle || (pause && pressing()))) {
         erase_next();
     }

@@ -39,7 +39,7 @@ static const uint16_t program[END] = {
     DE(1, PIO_DELAY(1, PIO_SET(PIO_PINS, 1))), /* behind the last stop bit */
     [OFF] = DE(0, PIO_PULL_BLOCK),
     DE(1, PIO_SET(PIO_X, 0)),
-    [SEND] = DE(1, PIO_SET(PIO_Y, 0)), /* bits in front of the stop bit, less one: set_up() */
+    [SEND] = DE(1, PIO_SET(PIO_Y, 0)), /* bits in front of the stop bit, less one: set_up_uart() */
     [BIT] = DE(1, PIO_DELAY(6, PIO_OUT(PIO_PINS, 1))),
     DE(1, PIO_JMP(PIO_Y_DEC, BIT)),
     [STOP] = DE(1, PIO_DELAY(3, PIO_SET(PIO_PINS, 1))),
@@ -106,7 +106,7 @@ static struct dg_hf *hf(void)
 
 /* ------------------------------------------------------------ characters */
 
-static uint32_t parity_of(uint8_t byte, char parity)
+static uint32_t byte_parity_of(uint8_t byte, char parity)
 {
     uint32_t odd = byte;
 
@@ -117,20 +117,20 @@ static uint32_t parity_of(uint8_t byte, char parity)
 }
 
 /* From the start bit on, without the stop bit. One bit more keeps it from being 0. */
-static uint32_t bits_of(uint8_t byte)
+static uint32_t frame_bits_of(uint8_t byte)
 {
-    const uint32_t parity = uart.parity == 'N' ? 1u : parity_of(byte, uart.parity);
+    const uint32_t parity = uart.parity == 'N' ? 1u : byte_parity_of(byte, uart.parity);
 
     return (uint32_t)byte << 1 | parity << 9 | 1u << 10;
 }
 
 /* `word`: the bits behind the start bit, left-aligned. */
-static void take(uint32_t word)
+static void take_bits(uint32_t word)
 {
     const uint32_t bits = word >> (32u - (character_bits - 1u));
     const uint8_t byte = (uint8_t)bits;
     const bool stopped = (bits >> (character_bits - 2u) & 1u) != 0;
-    const bool good = uart.parity == 'N' || (bits >> 8 & 1u) == parity_of(byte, uart.parity);
+    const bool good = uart.parity == 'N' || (bits >> 8 & 1u) == byte_parity_of(byte, uart.parity);
     struct heard *to = &heard[heard_in % HEARD_MAX];
 
     to->at = start_edge + dg_bit_times_ns(character_bits, uart.baud);
@@ -142,7 +142,7 @@ static void take(uint32_t word)
 static void send_more(void)
 {
     while (reply_sent < reply_length && (REG(PIO1 + PIO_FSTAT) & 1u << 16) == 0) {
-        REG(PIO1 + PIO_TXF(0)) = bits_of(reply[reply_sent]);
+        REG(PIO1 + PIO_TXF(0)) = frame_bits_of(reply[reply_sent]);
         reply_sent = reply_sent + 1u;
     }
     if (reply_sent == reply_length) {
@@ -172,7 +172,7 @@ void on_pio1(void)
     while ((REG(PIO1 + PIO_FSTAT) & 1u << (8 + 1)) == 0) {
         const uint32_t word = REG(PIO1 + PIO_RXF(1));
         if (!sending() && heard_in - heard_out < HEARD_MAX) {
-            take(word);
+            take_bits(word);
         }
     }
     if (reply_sent < reply_length) {
@@ -204,7 +204,7 @@ const char *const port_name = "pio:2,3,4";
 
 /* ------------------------------------------------------------ setting */
 
-static void set_up(void)
+static void set_up_uart(void)
 {
     const uint32_t divider = (uint32_t)(((uint64_t)BOARD_HZ << 8) / CYCLES_PER_BIT / uart.baud)
                              << 8;
@@ -223,13 +223,13 @@ static void set_up(void)
     pio_run(&receiver, 1);
 }
 
-static void follow_setting(void)
+static void follow_uart_setting(void)
 {
     const struct dg_hf_uart wanted = dg_hf_uart(hf());
 
     if ((wanted.baud != uart.baud || wanted.parity != uart.parity) && !sending()) {
         uart = wanted;
-        set_up();
+        set_up_uart();
     }
 }
 
@@ -242,7 +242,7 @@ void port_start(void)
     }
     sincos_start();
     uart = dg_hf_uart(hf());
-    set_up();
+    set_up_uart();
     pio_do(&sender, DE(0, PIO_SET(PIO_PINS, 1)));
     pio_direct(&sender, PIN_TX);
     pio_direct(&sender, PIN_DE);
@@ -267,7 +267,7 @@ dg_ns port_loop(void)
         quiet_since = now;
     } else if (due <= now) {
         due = dg_hf_step(hf(), now);
-        follow_setting();
+        follow_uart_setting();
     }
     if (signals_due <= now && dg_after(now, SIGNALS_NS) < due) {
         signals_due = sincos_follow(hf(), now);

@@ -29,7 +29,7 @@ void port_turn(const struct dg_world *to, const struct dg_shaft *turning)
 }
 
 /* A flash that has nothing yet, or another model's, becomes this model's. */
-static void power_on(const struct dg_stack_setup *setup)
+static void power_on_device(const struct dg_stack_setup *setup)
 {
     const struct dg_stack *stack = DEVICE.stack;
     int result = stack->power_on(memory, board_now());
@@ -56,7 +56,7 @@ int main(void)
     if (DEVICE.stack->device_size > sizeof memory || DEVICE.stack->init(memory, &setup) != DG_OK) {
         return 1;
     }
-    power_on(&setup);
+    power_on_device(&setup);
     console_start(&DEVICE, &INSTRUMENT, setup.nvm);
     port_start();
     for (;;) {

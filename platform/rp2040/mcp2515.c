@@ -86,12 +86,12 @@ static uint8_t mode; /* that it is to be in */
 
 /* ------------------------------------------------------------ SPI */
 
-static void select(bool on)
+static void select_chip(bool on)
 {
     REG(on ? SIO_OUT_CLR : SIO_OUT_SET) = 1u << PIN_CS;
 }
 
-static uint8_t exchange(uint8_t byte)
+static uint8_t exchange_byte(uint8_t byte)
 {
     while ((REG(SPI0 + SPI_SR) & SPI_TX_ROOM) == 0) {
     }
@@ -102,34 +102,34 @@ static uint8_t exchange(uint8_t byte)
 }
 
 /* An instruction, with bytes out, then bytes in. */
-static void instruct(const uint8_t *out, size_t n, uint8_t *in, size_t m)
+static void send_instruction(const uint8_t *out, size_t n, uint8_t *in, size_t m)
 {
-    select(true);
+    select_chip(true);
     for (size_t i = 0; i < n; i++) {
-        (void)exchange(out[i]);
+        (void)exchange_byte(out[i]);
     }
     for (size_t i = 0; i < m; i++) {
-        in[i] = exchange(0);
+        in[i] = exchange_byte(0);
     }
-    select(false);
+    select_chip(false);
 }
 
-static uint8_t read_register(uint8_t at)
+static uint8_t read_chip_register(uint8_t at)
 {
     uint8_t value;
 
-    instruct((const uint8_t[]){READ, at}, 2, &value, 1);
+    send_instruction((const uint8_t[]){READ, at}, 2, &value, 1);
     return value;
 }
 
-static void write_register(uint8_t at, uint8_t value)
+static void write_chip_register(uint8_t at, uint8_t value)
 {
-    instruct((const uint8_t[]){WRITE, at, value}, 3, NULL, 0);
+    send_instruction((const uint8_t[]){WRITE, at, value}, 3, NULL, 0);
 }
 
 static void clear_bits(uint8_t at, uint8_t bits)
 {
-    instruct((const uint8_t[]){MODIFY, at, bits, 0}, 4, NULL, 0);
+    send_instruction((const uint8_t[]){MODIFY, at, bits, 0}, 4, NULL, 0);
 }
 
 /* ------------------------------------------------------------ bus */
@@ -148,7 +148,7 @@ void mcp2515_start(void)
     board_pin(PIN_SI, BOARD_SPI);
     board_pin(PIN_CS, BOARD_SIO);
     board_pin(PIN_INT, BOARD_SIO);
-    select(false);
+    select_chip(false);
     REG(SIO_OE_SET) = 1u << PIN_CS;
     REG(SPI0 + SPI_CPSR) = SPI_DIVISOR;
     REG(SPI0 + SPI_CR0) = 8u - 1u; /* mode 0 */
@@ -159,7 +159,7 @@ void mcp2515_start(void)
 
 static bool configuring(void)
 {
-    return (read_register(CANSTAT) & MODE_BITS) == MODE_CONFIGURATION;
+    return (read_chip_register(CANSTAT) & MODE_BITS) == MODE_CONFIGURATION;
 }
 
 static uint8_t put_id(uint8_t *to, uint16_t id, uint8_t extended)
@@ -180,7 +180,7 @@ static void write_ids(uint8_t at, const uint16_t *ids, size_t n, uint8_t extende
     for (size_t i = 0; i < n; i++) {
         length += put_id(bytes + length, ids[i], extended);
     }
-    instruct(bytes, length, NULL, 0);
+    send_instruction(bytes, length, NULL, 0);
 }
 
 /* In configuration mode. Filters 0 and 1 with mask 0 are the first buffer's, 2 to 5 with mask 1 the
@@ -195,8 +195,8 @@ static void write_filters(const struct mcp2515_filters *filters)
     write_ids(RXF0, first, 3, 0);
     write_ids(RXF3, nobody, 3, EXIDE);
     write_ids(RXM0, masks, 2, 0);
-    write_register(RXB0CTRL, RX_BOTH);
-    write_register(RXB1CTRL, 0);
+    write_chip_register(RXB0CTRL, RX_BOTH);
+    write_chip_register(RXB1CTRL, 0);
 }
 
 static void set_rate(const struct rate *rate)
@@ -210,14 +210,14 @@ static void set_rate(const struct rate *rate)
         (uint8_t)(rate->prescaler - 1u),
         RX0IF | RX1IF | TX0IF | ERRIF};
 
-    instruct(bytes, sizeof bytes, NULL, 0);
+    send_instruction(bytes, sizeof bytes, NULL, 0);
     mode = MODE_NORMAL;
-    write_register(CANCTRL, mode);
+    write_chip_register(CANCTRL, mode);
 }
 
 bool mcp2515_open(uint16_t kbaud, const struct mcp2515_filters *filters)
 {
-    instruct((const uint8_t[]){RESET}, 1, NULL, 0);
+    send_instruction((const uint8_t[]){RESET}, 1, NULL, 0);
     const dg_ns end = board_now() + DG_MS(1);
     while (board_now() < end) { /* 128 cycles of its oscillator */
     }
@@ -236,12 +236,12 @@ bool mcp2515_open(uint16_t kbaud, const struct mcp2515_filters *filters)
 
 bool mcp2515_filter(const struct mcp2515_filters *filters)
 {
-    write_register(CANCTRL, MODE_CONFIGURATION);
+    write_chip_register(CANCTRL, MODE_CONFIGURATION);
     if (!configuring()) {
         return false;
     }
     write_filters(filters);
-    write_register(CANCTRL, mode);
+    write_chip_register(CANCTRL, mode);
     return true;
 }
 
@@ -254,7 +254,7 @@ bool mcp2515_ready(void)
 {
     uint8_t status;
 
-    instruct((const uint8_t[]){STATUS}, 1, &status, 1);
+    send_instruction((const uint8_t[]){STATUS}, 1, &status, 1);
     return (status & STATUS_TXREQ) == 0;
 }
 
@@ -268,13 +268,13 @@ void mcp2515_send(const struct dg_can_frame *frame)
         bytes[6u + i] = frame->data[i];
     }
     clear_bits(CANINTF, TX0IF);
-    instruct(bytes, 6u + frame->dlc, NULL, 0);
-    instruct((const uint8_t[]){SEND_TXB0}, 1, NULL, 0);
+    send_instruction(bytes, 6u + frame->dlc, NULL, 0);
+    send_instruction((const uint8_t[]){SEND_TXB0}, 1, NULL, 0);
 }
 
 bool mcp2515_receive(struct dg_can_frame *to)
 {
-    const uint8_t flags = read_register(CANINTF);
+    const uint8_t flags = read_chip_register(CANINTF);
     uint8_t bytes[FRAME_BYTES];
 
     if ((flags & TX0IF) != 0) { /* only woke us up */
@@ -284,8 +284,8 @@ bool mcp2515_receive(struct dg_can_frame *to)
         return false;
     }
     /* Reading a buffer clears its flag. The first one is the older one. */
-    instruct((const uint8_t[]){(flags & RX0IF) != 0 ? READ_RXB0 : READ_RXB1}, 1, bytes,
-             sizeof bytes);
+    send_instruction((const uint8_t[]){(flags & RX0IF) != 0 ? READ_RXB0 : READ_RXB1}, 1, bytes,
+                     sizeof bytes);
     *to = (struct dg_can_frame){.id = (uint16_t)((uint32_t)bytes[0] << 3 | bytes[1] >> 5),
                                 .rtr = (bytes[1] & SRR) != 0,
                                 .dlc = bytes[4] & 0x0Fu};
@@ -298,7 +298,7 @@ bool mcp2515_receive(struct dg_can_frame *to)
 
 struct mcp2515_errors mcp2515_errors(void)
 {
-    const uint8_t flags = read_register(EFLG);
+    const uint8_t flags = read_chip_register(EFLG);
 
     clear_bits(CANINTF, ERRIF);
     if ((flags & RX_OVERRUN) != 0) {

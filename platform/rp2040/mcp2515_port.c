@@ -24,7 +24,7 @@ static bool filters_due;
 
 const bool flash_log_behind = false;
 
-static struct dg_co_node *node(void)
+static struct dg_co_node *port_node(void)
 {
     struct dg_cia406_device *device = port_device;
 
@@ -50,9 +50,9 @@ static const struct dg_co_ops ops = {.send = send, .bit_rate = set_bit_rate};
 const void *const port_ops = &ops;
 const char *const port_name = "mcp2515:16-20";
 
-static void tell(enum dg_co_bus_event event)
+static void report_event(enum dg_co_bus_event event)
 {
-    due = dg_co_bus(node(), board_now(), event);
+    due = dg_co_bus(port_node(), board_now(), event);
 }
 
 /* A bus that was off is active again before it is anything else. */
@@ -63,23 +63,23 @@ static void look_at_errors(void)
     enum dg_co_bus_event now = errors.off ? DG_CO_BUS_OFF : passive;
 
     if (errors.overrun) {
-        tell(DG_CO_BUS_OVERRUN);
+        report_event(DG_CO_BUS_OVERRUN);
     }
     if (state == DG_CO_BUS_OFF && now == DG_CO_BUS_PASSIVE) {
         now = DG_CO_BUS_ACTIVE;
     }
     if (now != state) {
         state = now;
-        tell(now);
+        report_event(now);
     }
 }
 
-static void receive(void)
+static void receive_frames(void)
 {
     struct dg_can_frame frame;
 
     if (mcp2515_receive(&frame)) {
-        due = dg_co_rx(node(), board_now(), &frame);
+        due = dg_co_rx(port_node(), board_now(), &frame);
     }
 }
 
@@ -101,7 +101,7 @@ static unsigned bits_in(uint32_t word)
 
 /* The identifiers in two groups, by one bit of theirs: what is the same in each group can be asked
    for. */
-static struct mcp2515_filters split(const uint16_t *ids, uint8_t n, unsigned bit)
+static struct mcp2515_filters split_filters(const uint16_t *ids, uint8_t n, unsigned bit)
 {
     struct mcp2515_filters to = {.mask = MCP2515_ID_MAX, .extra = LSS};
     bool there[2] = {false, false};
@@ -125,13 +125,13 @@ static struct mcp2515_filters split(const uint16_t *ids, uint8_t n, unsigned bit
 }
 
 /* Whatever two patterns can be: a bit that tells them apart splits them. */
-static struct mcp2515_filters fit(const uint16_t *ids, uint8_t n)
+static struct mcp2515_filters fit_filters(const uint16_t *ids, uint8_t n)
 {
     struct mcp2515_filters best = {.mask = 0};
     unsigned most = 0;
 
     for (unsigned bit = 0; bit < 11u; bit++) {
-        const struct mcp2515_filters candidate = split(ids, n, bit);
+        const struct mcp2515_filters candidate = split_filters(ids, n, bit);
         if (bits_in(candidate.mask) > most) {
             most = bits_in(candidate.mask);
             best = candidate;
@@ -162,11 +162,11 @@ static void follow_filters(void)
 {
     uint16_t ids[DG_CO_FILTERS_MAX];
 
-    if (node()->filter_version != filter_version) {
-        filter_version = node()->filter_version;
-        const uint8_t n = dg_co_filters(node(), ids);
+    if (port_node()->filter_version != filter_version) {
+        filter_version = port_node()->filter_version;
+        const uint8_t n = dg_co_filters(port_node(), ids);
         filters_due = filters_due || !lets_all_in(&filters, ids, n);
-        filters = filters_due ? fit(ids, n) : filters;
+        filters = filters_due ? fit_filters(ids, n) : filters;
     }
     filters_due = filters_due && !mcp2515_filter(&filters);
 }
@@ -177,8 +177,8 @@ static void follow_rate(void)
 
     if (kbaud != opened) {
         opened = kbaud;
-        filter_version = node()->filter_version;
-        filters = fit(ids, dg_co_filters(node(), ids));
+        filter_version = port_node()->filter_version;
+        filters = fit_filters(ids, dg_co_filters(port_node(), ids));
         filters_due = false;
         (void)mcp2515_open(kbaud, &filters);
     }
@@ -192,14 +192,14 @@ dg_ns port_loop(void)
     const bool pending = mcp2515_pending();
 
     if (pending) {
-        receive();
+        receive_frames();
     }
     if (pending || look <= now) {
         look = now + LOOK_NS;
         look_at_errors();
     }
     if (due <= now) {
-        due = dg_co_step(node(), now);
+        due = dg_co_step(port_node(), now);
     }
     follow_rate();
     follow_filters();
@@ -230,7 +230,7 @@ void port_stores(void)
 /* Frames would be lost meanwhile. */
 bool port_idle(void)
 {
-    return node()->state == DG_CO_OFF;
+    return port_node()->state == DG_CO_OFF;
 }
 
 bool port_pause(void)

@@ -14,7 +14,7 @@
 #define NOMINAL_UV 500000 /* between + and - */
 #define NOMINAL_STEPS ((int32_t)STEPS * 2 / 5)
 
-static uint32_t level_of(int32_t plus_uv, int32_t minus_uv)
+static uint32_t pwm_level_of(int32_t plus_uv, int32_t minus_uv)
 {
     const int32_t level = MIDDLE + (plus_uv - minus_uv) / (NOMINAL_UV / NOMINAL_STEPS);
 
@@ -35,8 +35,8 @@ dg_ns sincos_follow(const struct dg_hf *device, dg_ns now)
     struct dg_hf_sincos is;
 
     dg_hf_sincos(device, now, &is);
-    const uint32_t levels =
-        level_of(is.cos_plus_uv, is.cos_minus_uv) << 16 | level_of(is.sin_plus_uv, is.sin_minus_uv);
+    const uint32_t levels = pwm_level_of(is.cos_plus_uv, is.cos_minus_uv) << 16 |
+                            pwm_level_of(is.sin_plus_uv, is.sin_minus_uv);
     if (levels == REG(PWM_CC(SLICE))) {
         return now + RESTING_NS;
     }

@@ -31,7 +31,7 @@ static dg_ns due;
 
 const bool flash_log_behind = false;
 
-static struct dg_co_node *node(void)
+static struct dg_co_node *slcan_node(void)
 {
     struct dg_cia406_device *device = port_device;
 
@@ -60,7 +60,7 @@ static void send_some(void)
     }
 }
 
-static void put(const char *text, size_t n)
+static void send_text(const char *text, size_t n)
 {
     while (OUT_ROOM - (out_head - out_tail) < n) { /* nothing is lost: the encoder waits */
         send_some();
@@ -83,7 +83,7 @@ static void send(void *ctx, const struct dg_can_frame *frame)
     (void)ctx;
     if (open_here()) {
         const size_t n = dg_slcan_print(&adapter, frame, board_now() / DG_MS(1), text);
-        put(text, n);
+        send_text(text, n);
     }
 }
 
@@ -99,7 +99,7 @@ const char *const port_name = "slcan:8,9";
 
 /* ------------------------------------------------------------ in */
 
-static void take(uint8_t byte)
+static void take_byte(uint8_t byte)
 {
     struct dg_slcan_event event;
     size_t n = 0;
@@ -110,20 +110,20 @@ static void take(uint8_t byte)
     while (event.reply[n] != '\0') {
         n++;
     }
-    put(event.reply, n);
+    send_text(event.reply, n);
     if (event.has_frame && open_here()) {
-        due = dg_co_rx(node(), board_now(), &event.frame);
+        due = dg_co_rx(slcan_node(), board_now(), &event.frame);
     }
 }
 
 dg_ns port_loop(void)
 {
     if (in_tail != in_head) {
-        take(in[in_tail % IN_ROOM]);
+        take_byte(in[in_tail % IN_ROOM]);
         in_tail = in_tail + 1u;
     }
     if (due <= board_now()) {
-        due = dg_co_step(node(), board_now());
+        due = dg_co_step(slcan_node(), board_now());
     }
     send_some();
     return in_tail != in_head || out_tail != out_head ? 0 : due;

@@ -87,7 +87,7 @@ static void send_word(uint64_t bits, uint8_t n)
     REG(PIO0 + PIO_TXF(0)) = (uint32_t)bits << (32u - n);
 }
 
-static void start(void)
+static void start_machines(void)
 {
     pio_run(&slave, 0);
     pio_do(&slave, PIO_JMP(PIO_ALWAYS, READY));
@@ -96,7 +96,7 @@ static void start(void)
     running = true;
 }
 
-static void stop(void)
+static void stop_machines(void)
 {
     running = false;
     pio_run(&slave, 0);
@@ -117,7 +117,7 @@ dg_ns port_loop(void)
         n = dg_ssi_frame(ssi(), now + AGE_NS, &bits);
         send_word(bits, n);
         if (!running) {
-            start();
+            start_machines();
         }
     }
     return now;
@@ -136,13 +136,13 @@ void port_start(void)
     REG(PIO0 + PIO_TXF(0)) = (uint32_t)model()->monoflop / (BOARD_CYCLE_NS * POLL);
     pio_do(&slave, PIO_PULL_BLOCK);
     pio_do(&slave, PIO_MOV(PIO_ISR, PIO_OSR));
-    stop();
+    stop_machines();
 }
 
 void port_changed(void)
 {
     if (running && (ssi()->state == DG_SSI_OFF || ssi()->state == DG_SSI_START)) {
-        stop();
+        stop_machines();
     }
 }
 

@@ -84,7 +84,7 @@ static struct pio_machine edges_of_b = {.pio = PIO1,
 
 static bool quadrature;
 
-static bool level_of(uint32_t pin)
+static bool pin_level_of(uint32_t pin)
 {
     return (REG(SIO_IN) & 1u << pin) != 0;
 }
@@ -118,15 +118,15 @@ uint32_t steps_start(void)
         board_pin(pins[i], BOARD_PIO1);
         REG_SET(PAD(pins[i])) = PAD_PULL_DOWN;
     }
-    quadrature = level_of(PIN_QUADRATURE);
+    quadrature = pin_level_of(PIN_QUADRATURE);
     if (!quadrature) {
         pio_load(PIO1, FIRST, steps, STEPS_END - FIRST);
         count_from_0(&counter);
         return STEPS_PER_TURN;
     }
     pio_load(PIO1, FIRST, edges, EDGES_END - FIRST);
-    edges_of_a.start = level_of(PIN_A) ? FALL : RISE;
-    edges_of_b.start = level_of(PIN_B) ? FALL : RISE;
+    edges_of_a.start = pin_level_of(PIN_A) ? FALL : RISE;
+    edges_of_b.start = pin_level_of(PIN_B) ? FALL : RISE;
     count_from_0(&edges_of_a);
     count_from_0(&edges_of_b);
     return EDGES_PER_TURN;

@@ -80,8 +80,8 @@ static void say_reason(struct dg_text *to, const char *what, const char *right)
 }
 
 /* A file of the kind that its ending says. */
-static const struct dg_device *read_file(struct web_source *source,
-                                         const struct dg_model_file *kind)
+static const struct dg_device *read_page_model(struct web_source *source,
+                                               const struct dg_model_file *kind)
 {
     const struct dg_model_source from = {source->text, source->n, source->memory, source->size};
     struct dg_text wrong = dg_text_in(source->wrong, sizeof source->wrong);
@@ -136,5 +136,5 @@ const struct dg_device *web_device_read(struct web_source *source, const char *n
     const struct dg_model_file *kind = dg_model_file_of(name);
 
     source->wrong[0] = '\0';
-    return kind != NULL ? read_file(source, kind) : read_models(source);
+    return kind != NULL ? read_page_model(source, kind) : read_models(source);
 }

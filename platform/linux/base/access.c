@@ -105,7 +105,7 @@ int lx_access_connect(const char *text, char greeting[LX_ACCESS_GREETING_MAX],
 
 /* --- the guard --- */
 
-static size_t skip_blanks(const char *line, size_t n)
+static size_t skip_header_blanks(const char *line, size_t n)
 {
     size_t at = 0;
     while (at < n && (line[at] == ' ' || line[at] == '\t')) {
@@ -140,7 +140,7 @@ static size_t method_length(const char *line, size_t n)
     return 0;
 }
 
-static bool is_foreign(const char *line, size_t n)
+static bool is_foreign_protocol(const char *line, size_t n)
 {
     static const char version[] = " HTTP/";
     return method_length(line, n) > 0 ||
@@ -210,7 +210,7 @@ static size_t token_header(const char *line, size_t n)
 static const char *token_of(const char *line, size_t n, size_t *length)
 {
     const size_t header = token_header(line, n);
-    const char *text = line + header + skip_blanks(line + header, n - header);
+    const char *text = line + header + skip_header_blanks(line + header, n - header);
     const size_t left = (size_t)(line + n - text);
     if (header == 0 || left < 2u || (text[0] != '"' && text[0] != '\'') ||
         text[left - 1u] != text[0]) {
@@ -220,10 +220,10 @@ static const char *token_of(const char *line, size_t n, size_t *length)
     return text + 1;
 }
 
-static enum lx_guard_verdict look(struct lx_guard *self, const char *line, size_t n)
+static enum lx_guard_verdict judge_line(struct lx_guard *self, const char *line, size_t n)
 {
     size_t length = 0;
-    if (is_foreign(line, n) || self->strange) {
+    if (is_foreign_protocol(line, n) || self->strange) {
         return LX_GUARD_CLOSE;
     }
     const char *token = token_of(line, n, &length);
@@ -241,7 +241,7 @@ static enum lx_guard_verdict look(struct lx_guard *self, const char *line, size_
 
 enum lx_guard_verdict lx_guard_line(struct lx_guard *self, const char *line, size_t n)
 {
-    const size_t blanks = skip_blanks(line, n);
+    const size_t blanks = skip_header_blanks(line, n);
     const size_t end = without_end(line, n);
     const bool inside = self->inside;
     self->inside = end == n;
@@ -255,5 +255,5 @@ enum lx_guard_verdict lx_guard_line(struct lx_guard *self, const char *line, siz
     if (blanks >= end) {
         return LX_GUARD_PASS;
     }
-    return look(self, line + blanks, end - blanks);
+    return judge_line(self, line + blanks, end - blanks);
 }

@@ -53,18 +53,18 @@ struct field {
     size_t n;
 };
 
-static bool is_blank(char c)
+static bool is_csv_blank(char c)
 {
     return c == ' ' || c == '\t' || c == '\r' || c == '\n';
 }
 
 static struct field trimmed(const char *at, size_t n)
 {
-    while (n > 0 && is_blank(at[0])) {
+    while (n > 0 && is_csv_blank(at[0])) {
         at++;
         n--;
     }
-    while (n > 0 && is_blank(at[n - 1])) {
+    while (n > 0 && is_csv_blank(at[n - 1])) {
         n--;
     }
     return (struct field){at, n};
@@ -76,8 +76,8 @@ static bool is_header(const struct reader *self, struct field line)
     return !self->started && memchr("+-.0123456789", line.at[0], 13) == NULL;
 }
 
-static int complain(const struct reader *self, struct lx_error *error, const char *what,
-                    struct field got)
+static int refuse_line(const struct reader *self, struct lx_error *error, const char *what,
+                       struct field got)
 {
     return lx_fail(error, "%s:%lu: %s, not '%.*s'", self->name, self->line, what,
                    (int)(got.n > 60 ? 60 : got.n), got.at);
@@ -87,10 +87,10 @@ static int complain_of_line(const struct reader *self, struct lx_error *error, s
 {
     struct lx_words what = {""};
     lx_words_add(&what, "a line is 'time_s,%s'", self->kind.column);
-    return complain(self, error, what.text, got);
+    return refuse_line(self, error, what.text, got);
 }
 
-static int append(struct reader *self, dg_ns at, int64_t value, struct lx_error *error)
+static int append_point(struct reader *self, dg_ns at, int64_t value, struct lx_error *error)
 {
     if (self->found.count == self->most) {
         return lx_fail(error, "%s:%lu: more than %zu points", self->name, self->line, self->most);
@@ -110,7 +110,7 @@ static int append(struct reader *self, dg_ns at, int64_t value, struct lx_error 
 }
 
 /* One line without its comment. */
-static int take_point(struct reader *self, struct field line, struct lx_error *error)
+static int take_csv_point(struct reader *self, struct field line, struct lx_error *error)
 {
     const struct lx_csv_kind *kind = &self->kind;
     const char *comma = memchr(line.at, ',', line.n);
@@ -124,24 +124,24 @@ static int take_point(struct reader *self, struct field line, struct lx_error *e
     struct dg_decimal value;
     if (!dg_decimal_parse(time.at, time.n, PLACES, &at) || at.value < 0 ||
         at.value > TIME_MAX_S * dg_power_of_ten(PLACES)) {
-        return complain(self, error, "the time is decimal seconds from 0 to 9000000000", time);
+        return refuse_line(self, error, "the time is decimal seconds from 0 to 9000000000", time);
     }
     if (!dg_decimal_parse(second.at, second.n, kind->places, &value) || value.value < kind->min ||
         value.value > kind->max) {
-        return complain(self, error, kind->value.text, second);
+        return refuse_line(self, error, kind->value.text, second);
     }
     /* The core needs them in order; the nanoseconds count, not the digits. */
     const bool again = self->found.count > 0 && self->latest == (dg_ns)at.value;
     if ((again && !kind->steps) || self->latest > (dg_ns)at.value) {
-        return complain(self, error,
-                        kind->steps ? "the time must not be earlier than on the line before"
-                                    : "the time must be later than on the line before",
-                        time);
+        return refuse_line(self, error,
+                           kind->steps ? "the time must not be earlier than on the line before"
+                                       : "the time must be later than on the line before",
+                           time);
     }
-    return append(self, (dg_ns)at.value, value.value, error);
+    return append_point(self, (dg_ns)at.value, value.value, error);
 }
 
-static int take_line(struct reader *self, const char *text, size_t n, struct lx_error *error)
+static int take_csv_line(struct reader *self, const char *text, size_t n, struct lx_error *error)
 {
     static const char mark[] = "\xEF\xBB\xBF"; /* of UTF-8; some tools begin a file with it */
     if (self->line == 1 && n >= 3 && memcmp(text, mark, 3) == 0) {
@@ -155,7 +155,7 @@ static int take_line(struct reader *self, const char *text, size_t n, struct lx_
     }
     const bool header = is_header(self, line);
     self->started = true;
-    return header ? 0 : take_point(self, line, error);
+    return header ? 0 : take_csv_point(self, line, error);
 }
 
 struct lx_csv {
@@ -200,7 +200,7 @@ struct lx_csv *lx_csv_open(const char *path, const struct lx_folder *folder,
 }
 
 /* Of a line without its end. */
-static int length_of(const char *text, int n)
+static int line_length_of(const char *text, int n)
 {
     n -= n > 0 && text[n - 1] == '\n';
     return n - (n > 0 && text[n - 1] == '\r');
@@ -208,7 +208,7 @@ static int length_of(const char *text, int n)
 
 /* A line with its end. What has none in time, or is no text, may be a file of any length: it is not
    read on. @return its length; 0: there is none; -1 with `error` */
-static int read_line(struct lx_csv *self, struct lx_error *error)
+static int read_csv_line(struct lx_csv *self, struct lx_error *error)
 {
     int n = 0;
     int c = ' ';
@@ -223,7 +223,7 @@ static int read_line(struct lx_csv *self, struct lx_error *error)
         return lx_refuse(error, "expected lines of text", "%s:%lu: no text, as it has a NUL",
                          self->name, self->reader.line + 1);
     }
-    if (length_of(self->text, n) > (int)LX_CSV_LINE_MAX) {
+    if (line_length_of(self->text, n) > (int)LX_CSV_LINE_MAX) {
         return lx_refuse(error, "expected a shorter line of text",
                          "%s:%lu: more than %u characters", self->name, self->reader.line + 1,
                          LX_CSV_LINE_MAX);
@@ -243,12 +243,12 @@ static int check_count(const struct lx_csv *self, struct lx_error *error)
 int lx_csv_read_on(struct lx_csv *self, unsigned lines, struct lx_error *error)
 {
     for (unsigned i = 0; i < lines; i++) {
-        const int n = read_line(self, error);
+        const int n = read_csv_line(self, error);
         if (n <= 0) {
             return n < 0 ? -1 : check_count(self, error);
         }
         self->reader.line++;
-        if (take_line(&self->reader, self->text, (size_t)n, error) != 0) {
+        if (take_csv_line(&self->reader, self->text, (size_t)n, error) != 0) {
             return -1;
         }
     }

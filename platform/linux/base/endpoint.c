@@ -30,7 +30,7 @@
 #define KEEP_QUESTIONS 3
 
 /* What is behind the prefix, or NULL. */
-static const char *behind(const char *where, const char *prefix)
+static const char *skip_prefix(const char *where, const char *prefix)
 {
     const size_t n = strlen(prefix);
     return strncmp(where, prefix, n) == 0 && where[n] != '\0' ? where + n : NULL;
@@ -63,11 +63,11 @@ void lx_host_port_print(const struct lx_host_port *self, char *to, size_t size)
 }
 
 /* Whether `where` is unix:PATH or tcp:HOST:PORT. */
-static int check_where(const char *where, struct lx_error *error)
+static int check_endpoint(const char *where, struct lx_error *error)
 {
     struct lx_host_port tcp;
-    const char *path = behind(where, UNIX_PREFIX);
-    const char *host = behind(where, TCP_PREFIX);
+    const char *path = skip_prefix(where, UNIX_PREFIX);
+    const char *host = skip_prefix(where, TCP_PREFIX);
     if (path != NULL && strlen(path) >= LX_UNIX_PATH_SIZE) {
         return lx_fail(error, "%s: expected a path of at most %lu characters", where,
                        (unsigned long)LX_UNIX_PATH_SIZE - 1);
@@ -176,7 +176,7 @@ const char *lx_port_right(int reason)
                             : lx_more_of(reason);
 }
 
-static int refuse(const char *where, int reason, struct lx_error *error)
+static int refuse_listening(const char *where, int reason, struct lx_error *error)
 {
     return reason == EPERM ? lx_fail(error,
                                      "%s: beyond loopback, where anybody could steer; use %s,open "
@@ -190,18 +190,18 @@ int lx_endpoint_listen(const char *where, enum lx_endpoint_reach reach, char *ad
                        struct lx_error *error)
 {
     struct lx_host_port tcp;
-    const char *path = behind(where, UNIX_PREFIX);
-    if (check_where(where, error) != 0) {
+    const char *path = skip_prefix(where, UNIX_PREFIX);
+    if (check_endpoint(where, error) != 0) {
         return -1;
     }
     if (path != NULL) {
         (void)snprintf(address, size, "%s", where);
         return lx_unix_listen(path, error);
     }
-    (void)lx_host_port_split(behind(where, TCP_PREFIX), &tcp);
+    (void)lx_host_port_split(skip_prefix(where, TCP_PREFIX), &tcp);
     const int fd = lx_tcp_listen(&tcp, reach);
     if (fd < 0) {
-        return refuse(where, errno, error);
+        return refuse_listening(where, errno, error);
     }
     lx_host_port_real(&tcp, fd);
     const int host = (int)(strrchr(where, ':') - where);
@@ -230,15 +230,15 @@ static int connect_unix(const char *path)
 int lx_endpoint_connect(const char *where, struct lx_error *error)
 {
     struct lx_host_port tcp;
-    const char *path = behind(where, UNIX_PREFIX);
-    if (check_where(where, error) != 0) {
+    const char *path = skip_prefix(where, UNIX_PREFIX);
+    if (check_endpoint(where, error) != 0) {
         return -1;
     }
     int fd = -1;
     if (path != NULL) {
         fd = connect_unix(path);
     } else {
-        (void)lx_host_port_split(behind(where, TCP_PREFIX), &tcp);
+        (void)lx_host_port_split(skip_prefix(where, TCP_PREFIX), &tcp);
         fd = open_tcp(&tcp, 0, SOCK_STREAM | SOCK_CLOEXEC, connect);
     }
     return fd >= 0 ? fd
@@ -248,7 +248,7 @@ int lx_endpoint_connect(const char *where, struct lx_error *error)
 
 bool lx_endpoint_is_serial(const char *where)
 {
-    return behind(where, TTY_PREFIX) != NULL;
+    return skip_prefix(where, TTY_PREFIX) != NULL;
 }
 
 /* What came before nobody has asked for. */
@@ -269,7 +269,7 @@ static int make_raw(int fd)
 
 int lx_endpoint_open_serial(const char *where, struct lx_error *error)
 {
-    const int fd = open(behind(where, TTY_PREFIX), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
+    const int fd = open(skip_prefix(where, TTY_PREFIX), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
     if (fd < 0 || make_raw(fd) != 0) {
         (void)lx_fail(error, "%s: cannot open it: %s; expected the serial port of a board", where,
                       strerror(errno));

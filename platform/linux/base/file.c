@@ -21,14 +21,14 @@
 
 #define FILE_MODE 0666
 
-static struct flock lock_of(pid_t owner)
+static struct flock file_lock_of(pid_t owner)
 {
     return (struct flock){.l_type = F_WRLCK, .l_whence = SEEK_SET, .l_len = owner};
 }
 
 int lx_file_hold(int fd)
 {
-    struct flock lock = lock_of(getpid());
+    struct flock lock = file_lock_of(getpid());
     if (fcntl(fd, F_OFD_SETLK, &lock) == 0) {
         return 0;
     }
@@ -38,7 +38,7 @@ int lx_file_hold(int fd)
 /* A lock of the other kind, which belongs to a process, has its ID. */
 pid_t lx_file_holder(int fd)
 {
-    struct flock lock = lock_of(1);
+    struct flock lock = file_lock_of(1);
     if (fcntl(fd, F_OFD_GETLK, &lock) != 0 || lock.l_type == F_UNLCK) {
         return 0;
     }
@@ -73,7 +73,7 @@ void lx_folder_close(struct lx_folder *self)
 
 /* What of an absolute name lies behind the folder's, which may end in slashes or be the root; NULL:
    it lies elsewhere. */
-static const char *behind(const char *path, const char *folder)
+static const char *skip_folder(const char *path, const char *folder)
 {
     size_t n = strlen(folder);
     while (n > 0 && folder[n - 1] == '/') {
@@ -94,8 +94,8 @@ static int open_below(const struct lx_folder *folder, const char *path, uint64_t
     };
     const char *name = path[0] == '/' ? NULL : path;
     if (folder->fd >= 0 && name == NULL) {
-        name = behind(path, folder->real);
-        name = name == NULL ? behind(path, folder->path) : name;
+        name = skip_folder(path, folder->real);
+        name = name == NULL ? skip_folder(path, folder->path) : name;
     }
     if (folder->fd < 0 || name == NULL || name[0] == '\0') {
         errno = EXDEV;
@@ -237,7 +237,7 @@ static ssize_t write_file(void *cookie, const char *bytes, size_t n)
     return (ssize_t)n;
 }
 
-static struct lx_file *make(const struct lx_file_wanted *wanted, struct lx_error *error)
+static struct lx_file *make_file(const struct lx_file_wanted *wanted, struct lx_error *error)
 {
     const size_t size = strlen(wanted->path) + 1;
     struct lx_file *self = calloc(1, sizeof *self + size);
@@ -258,7 +258,7 @@ FILE *lx_file_create(const struct lx_file_wanted *wanted, struct lx_file **held,
                      struct lx_error *error)
 {
     const cookie_io_functions_t operations = {.write = write_file, .close = close_file};
-    struct lx_file *self = make(wanted, error);
+    struct lx_file *self = make_file(wanted, error);
     if (self == NULL) {
         return NULL;
     }

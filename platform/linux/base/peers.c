@@ -29,7 +29,7 @@
 
 /* --- the address --- */
 
-static bool is_word(const char *text)
+static bool is_single_word(const char *text)
 {
     const size_t n = strlen(text);
     for (size_t i = 0; i < n; i++) {
@@ -54,7 +54,7 @@ bool lx_peers_split(const char *text, struct lx_peers_where *out)
     char *word = strchr(rest, ',');
     if (word != NULL) {
         *word++ = '\0';
-        if (!is_word(word)) {
+        if (!is_single_word(word)) {
             return false;
         }
         (void)snprintf(out->word, sizeof out->word, "%s", word);
@@ -87,7 +87,7 @@ static void free_peer(struct lx_peer *peer)
     free(peer);
 }
 
-static void drop(struct lx_peer *peer)
+static void drop_peer(struct lx_peer *peer)
 {
     struct lx_peers *self = peer->all;
     for (size_t i = 0; i < LX_PEERS_MAX; i++) {
@@ -115,7 +115,7 @@ static void on_farewell(void *ctx, dg_ns now)
     struct lx_peers *self = ctx;
     for (size_t i = 0; i < LX_PEERS_MAX; i++) {
         if (self->peer[i] != NULL && self->peer[i]->end <= now) {
-            drop(self->peer[i]);
+            drop_peer(self->peer[i]);
         }
     }
     await_leavers(self);
@@ -124,16 +124,16 @@ static void on_farewell(void *ctx, dg_ns now)
 /* --- bytes --- */
 
 /* Who is held is listened to without: it may be about to say that it wants to go on. */
-static bool has_room(const struct lx_peer *peer)
+static bool has_answer_room(const struct lx_peer *peer)
 {
     return peer->held || peer->output_count + LX_PEERS_ANSWER_MAX <= sizeof peer->output;
 }
 
 /* Read while what comes in can be handed over; write while there is something to write, or while
  * something that was read waits for room that others may have made by a flush. */
-static void watch(struct lx_peer *peer)
+static void watch_peer(struct lx_peer *peer)
 {
-    const bool takes = !peer->all->paused && has_room(peer);
+    const bool takes = !peer->all->paused && has_answer_room(peer);
     const bool reads = peer->away || (takes && peer->count == 0 && peer->end == DG_NEVER);
     const bool writes = (peer->output_count > 0 && !peer->held) || (takes && peer->count > 0);
     const uint32_t events = (reads ? (uint32_t)EPOLLIN : 0u) | (writes ? (uint32_t)EPOLLOUT : 0u);
@@ -141,7 +141,7 @@ static void watch(struct lx_peer *peer)
 }
 
 /* A connection that is broken is told by the loop. */
-static void send_output(struct lx_peer *peer)
+static void send_peer_output(struct lx_peer *peer)
 {
     size_t done = 0;
     while (done < peer->output_count && !peer->held) {
@@ -157,19 +157,19 @@ static void send_output(struct lx_peer *peer)
     }
     peer->output_count -= done;
     memmove(peer->output, peer->output + done, peer->output_count);
-    watch(peer);
+    watch_peer(peer);
 }
 
 void lx_peers_flush(struct lx_peers *self)
 {
     for (size_t i = 0; i < LX_PEERS_MAX && !self->taking; i++) {
         if (self->peer[i] != NULL && self->peer[i]->output_count > 0) {
-            send_output(self->peer[i]);
+            send_peer_output(self->peer[i]);
         }
     }
 }
 
-static bool put(struct lx_peer *self, const void *bytes, size_t n, size_t most)
+static bool queue_output(struct lx_peer *self, const void *bytes, size_t n, size_t most)
 {
     if (self->output_count + n > most) {
         return false;
@@ -181,21 +181,22 @@ static bool put(struct lx_peer *self, const void *bytes, size_t n, size_t most)
 
 bool lx_peer_put(struct lx_peer *self, const void *bytes, size_t n)
 {
-    return put(self, bytes, n, sizeof self->output - LX_PEERS_ANSWERS);
+    return queue_output(self, bytes, n, sizeof self->output - LX_PEERS_ANSWERS);
 }
 
 void lx_peer_answer(struct lx_peer *self, const void *bytes, size_t n)
 {
-    (void)put(self, bytes, n, sizeof self->output);
+    (void)queue_output(self, bytes, n, sizeof self->output);
 }
 
 /* Until somebody pauses in the middle, or the client would have to read first. */
-static void hand_over(struct lx_peer *peer, dg_ns now)
+static void hand_over_input(struct lx_peer *peer, dg_ns now)
 {
     struct lx_peers *self = peer->all;
     const bool inside = self->taking;
     self->taking = true;
-    while (peer->count > 0 && !self->paused && has_room(peer) && !peer->away && !peer->broken) {
+    while (peer->count > 0 && !self->paused && has_answer_room(peer) && !peer->away &&
+           !peer->broken) {
         const uint8_t byte = peer->chunk[peer->first++];
         peer->count--;
         self->setup.byte(self->setup.ctx, peer, now, byte, peer->count);
@@ -208,8 +209,8 @@ void lx_peers_pause(struct lx_peers *self, bool paused)
     self->paused = paused;
     for (size_t i = 0; i < LX_PEERS_MAX; i++) {
         if (self->peer[i] != NULL) {
-            hand_over(self->peer[i], lx_now());
-            watch(self->peer[i]);
+            hand_over_input(self->peer[i], lx_now());
+            watch_peer(self->peer[i]);
         }
     }
     lx_peers_flush(self);
@@ -235,19 +236,19 @@ static bool is_welcome(struct lx_peer *peer)
 }
 
 /* One that was sent away. @return false: it has gone, and `peer` with it */
-static bool forget(struct lx_peer *peer, ssize_t n)
+static bool discard_input(struct lx_peer *peer, ssize_t n)
 {
     peer->count = 0;
     peer->unheard += n > 0 ? (size_t)n : 0u;
     if (n > 0 && peer->unheard <= FAREWELL_BYTES) {
         return true;
     }
-    drop(peer);
+    drop_peer(peer);
     return false;
 }
 
 /* @return false: it has gone, and `peer` with it */
-static bool receive(struct lx_peer *peer)
+static bool receive_bytes(struct lx_peer *peer)
 {
     const ssize_t n = recv(peer->fd, peer->chunk, sizeof peer->chunk, MSG_DONTWAIT);
     const dg_ns now = lx_now();
@@ -255,12 +256,12 @@ static bool receive(struct lx_peer *peer)
         return true;
     }
     if (peer->away) {
-        return forget(peer, n);
+        return discard_input(peer, n);
     }
     peer->first = 0;
     peer->count = n > 0 ? (size_t)n : 0;
     if (n < 0 || !is_welcome(peer) || (n == 0 && peer->all->setup.linger == 0)) {
-        drop(peer);
+        drop_peer(peer);
         return false;
     }
     if (n == 0) {
@@ -280,27 +281,28 @@ static int on_event(sd_event_source *source, int fd, uint32_t events, void *ctx)
     (void)source;
     (void)fd;
     if ((events & (uint32_t)(EPOLLHUP | EPOLLERR)) != 0) {
-        drop(peer);
+        drop_peer(peer);
         return 0;
     }
     if ((events & (uint32_t)EPOLLOUT) != 0) {
-        send_output(peer);
+        send_peer_output(peer);
     }
-    if ((events & (uint32_t)EPOLLIN) != 0 && (peer->count == 0 || peer->away) && !receive(peer)) {
+    if ((events & (uint32_t)EPOLLIN) != 0 && (peer->count == 0 || peer->away) &&
+        !receive_bytes(peer)) {
         return 0;
     }
-    hand_over(peer, lx_now());
+    hand_over_input(peer, lx_now());
     if (peer->broken) {
-        drop(peer);
+        drop_peer(peer);
         return 0;
     }
-    watch(peer);
+    watch_peer(peer);
     lx_peers_flush(self);
     return 0;
 }
 
 /* A free place, or that of the client which was silent for longest. */
-static size_t place(struct lx_peers *self)
+static size_t find_peer_place(struct lx_peers *self)
 {
     size_t oldest = 0;
     for (size_t i = 0; i < LX_PEERS_MAX; i++) {
@@ -309,7 +311,7 @@ static size_t place(struct lx_peers *self)
         }
         oldest = self->peer[i]->heard < self->peer[oldest]->heard ? i : oldest;
     }
-    drop(self->peer[oldest]);
+    drop_peer(self->peer[oldest]);
     return oldest;
 }
 
@@ -340,18 +342,18 @@ static int on_connection(sd_event_source *source, int fd, uint32_t events, void 
     (void)setsockopt(socket, SOL_SOCKET, SO_OOBINLINE, &on,
                      sizeof on); /* telnet's IAC DM is urgent */
     lx_endpoint_keep_alive(socket);
-    self->peer[place(self)] = peer;
+    self->peer[find_peer_place(self)] = peer;
     if (self->setup.came != NULL) {
         self->setup.came(self->setup.ctx, peer);
     }
-    watch(peer);
+    watch_peer(peer);
     lx_peers_flush(self);
     return 0;
 }
 
 /* --- all of them --- */
 
-static int refuse(const struct lx_peers_where *where, int reason, struct lx_error *error)
+static int refuse_peers(const struct lx_peers_where *where, int reason, struct lx_error *error)
 {
     char at[LX_PEERS_ADDRESS_MAX];
     struct lx_words right = {""};
@@ -368,7 +370,7 @@ int lx_peers_listen(const struct lx_peers_where *where, struct lx_error *error)
 {
     const int listener =
         lx_tcp_listen(&where->at, where->open ? LX_ENDPOINT_ANY : LX_ENDPOINT_LOOPBACK);
-    return listener >= 0 ? listener : refuse(where, errno, error);
+    return listener >= 0 ? listener : refuse_peers(where, errno, error);
 }
 
 static void tell_address(struct lx_peers *self)

@@ -12,7 +12,7 @@ static unsigned long left_out;
 
 /* Whether stderr takes a line now: a reader that does not read must not hold up the wires. A pipe
    that is said to be writable has room for more than a line. */
-static bool has_room(void)
+static bool has_stderr_room(void)
 {
     struct pollfd out = {.fd = STDERR_FILENO, .events = POLLOUT};
     return poll(&out, 1, 0) != 0;
@@ -24,7 +24,7 @@ static void print_line(const char *before, const char *format, va_list arguments
     char text[LX_LINE_MAX];
     (void)vsnprintf(text, sizeof text, format, arguments);
     flockfile(stderr); /* the thread that writes EEPROM files has lines, too */
-    if (!has_room()) {
+    if (!has_stderr_room()) {
         left_out++;
         funlockfile(stderr);
         return;

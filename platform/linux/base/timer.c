@@ -67,37 +67,37 @@ uint64_t lx_time_of_day(void)
     return DG_S(now.tv_sec) + (uint64_t)now.tv_nsec;
 }
 
-static bool goes_before(const struct lx_timer *a, const struct lx_timer *b)
+static bool fires_before(const struct lx_timer *a, const struct lx_timer *b)
 {
     return a->at != b->at ? a->at < b->at : a->turn < b->turn;
 }
 
-static void put(struct lx_timer *self, size_t place)
+static void put_timer(struct lx_timer *self, size_t place)
 {
     self->strand->waiting[place] = self;
     self->place = place;
 }
 
 /* `place` is free, and what is before and behind it in order: put it there, or where it belongs. */
-static void settle(struct lx_timer *self, size_t place)
+static void settle_timer(struct lx_timer *self, size_t place)
 {
     struct lx_timer **heap = self->strand->waiting;
     const size_t count = self->strand->count;
-    for (; place > 1u && goes_before(self, heap[place / 2u]); place /= 2u) {
-        put(heap[place / 2u], place);
+    for (; place > 1u && fires_before(self, heap[place / 2u]); place /= 2u) {
+        put_timer(heap[place / 2u], place);
     }
     for (size_t next = 2u * place; next <= count; next = 2u * place) {
-        next += next < count && goes_before(heap[next + 1u], heap[next]) ? 1u : 0u;
-        if (!goes_before(heap[next], self)) {
+        next += next < count && fires_before(heap[next + 1u], heap[next]) ? 1u : 0u;
+        if (!fires_before(heap[next], self)) {
             break;
         }
-        put(heap[next], place);
+        put_timer(heap[next], place);
         place = next;
     }
-    put(self, place);
+    put_timer(self, place);
 }
 
-static void leave(struct lx_timer *self)
+static void leave_strand(struct lx_timer *self)
 {
     struct lx_strand *strand = self->strand;
     const size_t place = self->place;
@@ -107,18 +107,18 @@ static void leave(struct lx_timer *self)
     struct lx_timer *last = strand->waiting[strand->count--];
     self->place = 0;
     if (last != self) {
-        settle(last, place);
+        settle_timer(last, place);
     }
 }
 
-static void join(struct lx_timer *self)
+static void join_timers(struct lx_timer *self)
 {
     self->turn = self->strand->turn++;
-    settle(self, ++self->strand->count);
+    settle_timer(self, ++self->strand->count);
 }
 
 /* Room for all that are open: who asks later does not have to be told that there is none. */
-static int make_room(struct lx_strand *self)
+static int make_timer_room(struct lx_strand *self)
 {
     if (self->open == self->capacity) {
         const size_t capacity = self->capacity == 0 ? 64u : 2u * self->capacity;
@@ -152,7 +152,7 @@ bool lx_time_pass(dg_ns end)
         return false;
     }
     self->now = timer->at > self->now ? timer->at : self->now;
-    leave(timer);
+    leave_strand(timer);
     timer->at = DG_NEVER;
     timer->due(timer->ctx, self->now);
     return true;
@@ -195,14 +195,14 @@ int lx_timer_move(struct lx_timer *self, struct lx_strand *to)
     struct lx_strand *from = self->strand;
     struct lx_strand *strand = to != NULL ? to : &virtual_.all;
     const bool waits = self->place != 0;
-    if (make_room(strand) != 0) {
+    if (make_timer_room(strand) != 0) {
         return -ENOMEM;
     }
-    leave(self);
+    leave_strand(self);
     give_back(from);
     self->strand = strand;
     if (waits) {
-        join(self);
+        join_timers(self);
     }
     return 0;
 }
@@ -224,7 +224,7 @@ int lx_timer_open(struct lx_timer *self, sd_event *event, void (*due)(void *ctx,
 {
     *self = (struct lx_timer){.due = due, .ctx = ctx, .at = DG_NEVER};
     if (virtual_.own) {
-        self->strand = make_room(&virtual_.all) == 0 ? &virtual_.all : NULL;
+        self->strand = make_timer_room(&virtual_.all) == 0 ? &virtual_.all : NULL;
         return self->strand != NULL ? 0 : -ENOMEM;
     }
     int result =
@@ -261,9 +261,9 @@ void lx_timer_at(struct lx_timer *self, dg_ns at)
     }
     self->at = at;
     if (virtual_.own) {
-        leave(self);
+        leave_strand(self);
         if (at != DG_NEVER) {
-            join(self);
+            join_timers(self);
         }
         return;
     }
@@ -279,7 +279,7 @@ void lx_timer_at(struct lx_timer *self, dg_ns at)
 
 void lx_timer_close(struct lx_timer *self)
 {
-    leave(self);
+    leave_strand(self);
     if (self->strand != NULL) {
         give_back(self->strand);
         self->strand = NULL;

@@ -19,7 +19,7 @@
 /* --- the queue --- */
 
 /* @return false when the wire has no room */
-static bool drain(struct lx_can *self)
+static bool drain_queue(struct lx_can *self)
 {
     while (self->count > 0) {
         if (!self->ops->write(self, &self->queue[self->first])) {
@@ -40,7 +40,7 @@ static void pause_wire(struct lx_can *self, bool paused)
     }
 }
 
-static void hold(struct lx_can *self)
+static void hold_reading(struct lx_can *self)
 {
     if (!self->stalled) {
         self->stalled = true;
@@ -49,7 +49,7 @@ static void hold(struct lx_can *self)
     }
 }
 
-static void release(struct lx_can *self, dg_ns now)
+static void release_reading(struct lx_can *self, dg_ns now)
 {
     if (self->stalled) {
         self->stalled = false;
@@ -70,15 +70,15 @@ static void try_again(void *ctx, dg_ns now)
 {
     struct lx_can *self = ctx;
     self->delay = self->delay < RETRY_MAX ? 2 * self->delay : RETRY_MAX;
-    if (!drain(self) || (self->ops->flush != NULL && !self->ops->flush(self))) {
-        hold(self);
+    if (!drain_queue(self) || (self->ops->flush != NULL && !self->ops->flush(self))) {
+        hold_reading(self);
         lx_timer_at(&self->retry, dg_after(now, self->delay));
         return;
     }
     if (self->ops->push != NULL) {
         self->ops->push(self);
     }
-    release(self, now);
+    release_reading(self, now);
 }
 
 void lx_can_stall(struct lx_can *self)
@@ -86,7 +86,7 @@ void lx_can_stall(struct lx_can *self)
     if (self->stalled) {
         return;
     }
-    hold(self);
+    hold_reading(self);
     self->delay = RETRY;
     lx_timer_at(&self->retry, dg_after(lx_now(), RETRY));
 }
@@ -94,7 +94,7 @@ void lx_can_stall(struct lx_can *self)
 /* Room for one more: that of frames that are gone, or new. Frames come in and deadlines are met
    only while little waits, so that and what one frame or one moment makes all encoders send is the
    most it ever holds. */
-static bool make_room(struct lx_can *self)
+static bool make_frame_room(struct lx_can *self)
 {
     if (self->first + self->count < self->capacity) {
         return true;
@@ -115,9 +115,9 @@ static bool make_room(struct lx_can *self)
 }
 
 /* Behind all others. */
-static void append(struct lx_can *self, const struct dg_can_frame *frame)
+static void append_frame(struct lx_can *self, const struct dg_can_frame *frame)
 {
-    if (!make_room(self)) {
+    if (!make_frame_room(self)) {
         self->counters.lost++;
         return;
     }
@@ -131,7 +131,7 @@ void lx_can_send(struct lx_can *self, const struct dg_can_frame *frame)
     if (in_turn && self->ops->write(self, frame)) {
         return;
     }
-    append(self, frame);
+    append_frame(self, frame);
     if (in_turn) {
         lx_can_stall(self);
     }

@@ -107,7 +107,7 @@ static bool paces(const struct lx_can_bus *self)
 }
 
 /* Once per episode, that no real bus would carry this. */
-static void measure(struct lx_can_bus *self, dg_ns now)
+static void note_overload(struct lx_can_bus *self, dg_ns now)
 {
     if (!dg_bus_load_due(&self->load, now)) {
         return;
@@ -140,7 +140,7 @@ static void arm_timer(struct lx_can_bus *self, dg_ns now)
     }
     const bool waits = dg_bus_frames_waits(self->bus.core);
     lx_can_crowd(self->can, waits);
-    measure(self, now);
+    note_overload(self, now);
     self->promised = waits ? DG_NEVER : self->due;
     lx_timer_at(&self->timer, self->due);
 }
@@ -161,7 +161,7 @@ static void on_frame(void *ctx, dg_ns now, const struct dg_can_frame *frame)
 {
     struct lx_can_bus *self = ctx;
     const struct dg_tap_event event = {.at = now, .kind = DG_TAP_FRAME, .frame = *frame};
-    measure(self, now); /* an idle wire has called nobody when its window was over */
+    note_overload(self, now); /* an idle wire has called nobody when its window was over */
     self->due = dg_bus_rx(self->bus.core, &event);
     lx_can_crowd(self->can, dg_bus_frames_waits(self->bus.core));
 }
@@ -169,7 +169,7 @@ static void on_frame(void *ctx, dg_ns now, const struct dg_can_frame *frame)
 static void on_foreign(void *ctx, uint32_t count)
 {
     struct lx_can_bus *self = ctx;
-    measure(self, lx_now());
+    note_overload(self, lx_now());
     dg_bus_frames_count(self->bus.core, lx_now(), count);
 }
 

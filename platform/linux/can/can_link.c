@@ -27,7 +27,7 @@ struct attributes {
 };
 
 /* The content of the attribute called `type`; empty when there is none. */
-static struct attributes find(struct attributes list, unsigned short type)
+static struct attributes find_attribute(struct attributes list, unsigned short type)
 {
     struct rtattr head;
     while (list.left >= sizeof head) {
@@ -61,7 +61,7 @@ static void count(struct attributes statistics, struct lx_can_link *link)
     link->bytes = stats.tx_bytes + (link->is_virtual ? 0 : stats.rx_bytes);
 }
 
-static int parse(const char *answer, size_t n, struct lx_can_link *link)
+static int parse_link(const char *answer, size_t n, struct lx_can_link *link)
 {
     static const char virtual_kind[] = "vcan";
     struct nlmsghdr head;
@@ -81,20 +81,21 @@ static int parse(const char *answer, size_t n, struct lx_can_link *link)
     }
     memcpy(&info, answer + NLMSG_HDRLEN, sizeof info);
     const struct attributes all = {answer + NLMSG_ALIGN(fixed), n - NLMSG_ALIGN(fixed)};
-    const struct attributes details = find(all, IFLA_LINKINFO);
-    const struct attributes kind = find(details, IFLA_INFO_KIND);
-    const struct attributes timing = find(find(details, IFLA_INFO_DATA), IFLA_CAN_BITTIMING);
+    const struct attributes details = find_attribute(all, IFLA_LINKINFO);
+    const struct attributes kind = find_attribute(details, IFLA_INFO_KIND);
+    const struct attributes timing =
+        find_attribute(find_attribute(details, IFLA_INFO_DATA), IFLA_CAN_BITTIMING);
     *link = (struct lx_can_link){.up = (info.ifi_flags & (unsigned)IFF_UP) != 0};
     link->is_virtual =
         kind.left >= sizeof virtual_kind && memcmp(kind.at, virtual_kind, sizeof virtual_kind) == 0;
-    count(find(all, IFLA_STATS64), link);
+    count(find_attribute(all, IFLA_STATS64), link);
     if (timing.left >= sizeof link->bitrate) { /* the first member of struct can_bittiming */
         memcpy(&link->bitrate, timing.at, sizeof link->bitrate);
     }
     return 0;
 }
 
-static int ask(int fd, unsigned index, struct lx_can_link *link)
+static int ask_kernel(int fd, unsigned index, struct lx_can_link *link)
 {
     char answer[ANSWER_MAX];
     struct {
@@ -111,7 +112,7 @@ static int ask(int fd, unsigned index, struct lx_can_link *link)
     }
     /* The kernel has answered when send() returns. */
     const ssize_t n = recv(fd, answer, sizeof answer, MSG_DONTWAIT);
-    return n < 0 ? -errno : parse(answer, (size_t)n, link);
+    return n < 0 ? -errno : parse_link(answer, (size_t)n, link);
 }
 
 int lx_can_link_read(unsigned index, struct lx_can_link *link)
@@ -120,7 +121,7 @@ int lx_can_link_read(unsigned index, struct lx_can_link *link)
     if (fd < 0) {
         return -errno;
     }
-    const int result = ask(fd, index, link);
+    const int result = ask_kernel(fd, index, link);
     (void)close(fd);
     return result;
 }

@@ -44,7 +44,7 @@ static uint16_t rate(const struct lx_can_net *self)
     return found;
 }
 
-static bool fits(uint16_t bus, uint16_t kbaud)
+static bool fits_rate(uint16_t bus, uint16_t kbaud)
 {
     return bus == 0 || kbaud == 0 || bus == kbaud;
 }
@@ -52,8 +52,8 @@ static bool fits(uint16_t bus, uint16_t kbaud)
 /* --- out --- */
 
 /* @return how many clients there are that could hear it */
-static size_t tell(struct lx_can_net *self, const struct lx_peer *from, dg_ns now,
-                   const struct lx_can_wide *frame)
+static size_t tell_clients(struct lx_can_net *self, const struct lx_peer *from, dg_ns now,
+                           const struct lx_can_wide *frame)
 {
     const struct lx_can_dialect *dialect = self->dialect;
     const uint16_t bus = rate(self);
@@ -61,7 +61,7 @@ static size_t tell(struct lx_can_net *self, const struct lx_peer *from, dg_ns no
     size_t count = 0;
     for (size_t i = 0; i < LX_PEERS_MAX; i++) {
         struct lx_peer *peer = self->peers.peer[i];
-        if (!is_open(self, i) || peer == from || !fits(bus, kbaud_of(self, peer))) {
+        if (!is_open(self, i) || peer == from || !fits_rate(bus, kbaud_of(self, peer))) {
             continue;
         }
         count++;
@@ -76,7 +76,7 @@ static size_t tell(struct lx_can_net *self, const struct lx_peer *from, dg_ns no
 static bool write_frame(struct lx_can *can, const struct dg_can_frame *frame)
 {
     const struct lx_can_wide wide = {.id = frame->id, .frame = *frame};
-    can->counters.lost += tell(net_of(can), NULL, lx_now(), &wide) == 0 ? 1u : 0u;
+    can->counters.lost += tell_clients(net_of(can), NULL, lx_now(), &wide) == 0 ? 1u : 0u;
     return true;
 }
 
@@ -90,10 +90,10 @@ static void push(struct lx_can *can)
 bool lx_can_net_spread(struct lx_can_net *self, const struct lx_peer *from, dg_ns now,
                        const struct lx_can_wide *frame)
 {
-    if (!fits(rate(self), kbaud_of(self, from))) {
+    if (!fits_rate(rate(self), kbaud_of(self, from))) {
         return false;
     }
-    (void)tell(self, from, now, frame);
+    (void)tell_clients(self, from, now, frame);
     return true;
 }
 

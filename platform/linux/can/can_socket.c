@@ -59,7 +59,7 @@ static dg_ns of_timespec(const struct timespec *time)
 
 /* --- the interface --- */
 
-static void unwatch(struct can_socket *self)
+static void close_descriptor(struct can_socket *self)
 {
     self->io = sd_event_source_disable_unref(self->io);
     if (self->fd >= 0) {
@@ -68,16 +68,16 @@ static void unwatch(struct can_socket *self)
     self->fd = -1;
 }
 
-static void gone(struct can_socket *self, int reason)
+static void close_gone_socket(struct can_socket *self, int reason)
 {
-    unwatch(self);
+    close_descriptor(self);
     lx_complain("%s: %s; looking for it once a second", self->can.address,
                 reason == ENETDOWN ? "the interface is down" : "the interface is gone");
     lx_timer_at(&self->reopen, dg_after(lx_now(), REOPEN));
 }
 
 /* Nothing is received until the first filter() says what. */
-static int configure(int fd)
+static int configure_socket(int fd)
 {
     const int on = 1;
     const int size = RECEIVE_BUFFER;
@@ -124,7 +124,7 @@ static int open_socket(struct can_socket *self)
     if (self->fd < 0) {
         return -errno;
     }
-    int result = configure(self->fd);
+    int result = configure_socket(self->fd);
     if (result == 0) {
         result = bind_to(self);
     }
@@ -149,7 +149,7 @@ static void look_for_it(void *ctx, dg_ns now)
 {
     struct can_socket *self = ctx;
     if (open_socket(self) != 0) {
-        unwatch(self);
+        close_descriptor(self);
         lx_timer_at(&self->reopen, dg_after(now, REOPEN));
         return;
     }
@@ -206,7 +206,7 @@ static void take_company(struct can_socket *self, const struct can_frame *frame)
 }
 
 /* What a controller's error frame means. */
-static void take_error(struct can_socket *self, dg_ns now, const struct can_frame *frame)
+static void take_error_frame(struct can_socket *self, dg_ns now, const struct can_frame *frame)
 {
     /* In this order: a lost frame first, then the worst state. A controller whose counters fall
        below 128 says 'warning' first; that already is error active. */
@@ -239,7 +239,7 @@ static void take_frame(struct can_socket *self, dg_ns now, const struct can_fram
     struct dg_can_frame out = {.rtr = (frame->can_id & CAN_RTR_FLAG) != 0};
     if ((frame->can_id & CAN_ERR_FLAG) != 0) {
         take_company(self, frame);
-        take_error(self, now, frame);
+        take_error_frame(self, now, frame);
         return;
     }
     self->can.company = DG_BUS_SOMEBODY;
@@ -264,7 +264,7 @@ static void take_dropped(struct can_socket *self, dg_ns now, uint32_t dropped)
 }
 
 /* One frame with what the kernel says about it. @return 1, 0 when there is none, or -errno */
-static int receive(struct can_socket *self)
+static int receive_frame(struct can_socket *self)
 {
     struct can_frame frame;
     union {
@@ -309,10 +309,10 @@ static int on_readable(sd_event_source *source, int fd, uint32_t events, void *c
     /* A frame can make an encoder send, which can stall the bus, or find it gone. */
     for (unsigned i = 0; i < BATCH && result > 0 && !lx_can_is_paused(&self->can) && self->fd >= 0;
          i++) {
-        result = receive(self);
+        result = receive_frame(self);
     }
     if (result < 0 && self->fd >= 0) {
-        gone(self, -result);
+        close_gone_socket(self, -result);
     }
     self->can.setup.settle(self->can.setup.ctx, lx_now());
     return 0;
@@ -341,7 +341,7 @@ static bool write_frame(struct lx_can *can, const struct dg_can_frame *frame)
         return false;
     }
     can->counters.lost++;
-    gone(self, errno);
+    close_gone_socket(self, errno);
     return true;
 }
 
@@ -430,7 +430,7 @@ static bool up(const struct lx_can *can)
 static void close_socket(struct lx_can *can)
 {
     struct can_socket *self = socket_of(can);
-    unwatch(self);
+    close_descriptor(self);
     lx_timer_close(&self->reopen);
 }
 
@@ -455,7 +455,7 @@ bool lx_can_in_kernel(void)
     return true;
 }
 
-static int explain(int reason, const char *where, struct lx_error *error)
+static int explain_failure(int reason, const char *where, struct lx_error *error)
 {
     struct lx_words right = {""};
     switch (reason) {
@@ -481,14 +481,14 @@ static int start_socket(struct lx_can *can, struct lx_error *error)
     const char *where = can->setup.where;
     self->fd = -1;
     if (strlen(where) >= IFNAMSIZ) {
-        return explain(ENODEV, where, error);
+        return explain_failure(ENODEV, where, error);
     }
     (void)snprintf(can->address, sizeof can->address, "%s", where);
     int result = lx_timer_open(&self->reopen, can->setup.event, look_for_it, self);
     if (result >= 0) {
         result = open_socket(self);
     }
-    return result < 0 ? explain(-result, where, error) : 0;
+    return result < 0 ? explain_failure(-result, where, error) : 0;
 }
 
 static const struct lx_can_kind kind = {sizeof(struct can_socket), &socket_ops, start_socket, NULL};

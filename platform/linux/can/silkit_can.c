@@ -51,16 +51,16 @@ static void flush(void *ctx, dg_ns now)
 }
 
 /* A message has room for more than a bus carries in the longest step. */
-static void pack(struct silkit_can *self, const struct dg_can_frame *frame)
+static void pack_frame(struct silkit_can *self, const struct dg_can_frame *frame)
 {
     const uint64_t at = lx_silkit_time_at(self->port.all, lx_now());
     self->can.counters.lost += lx_silkit_pack_add(&self->pack, at, frame) ? 0u : 1u;
 }
 
-static void send(struct silkit_can *self, const struct dg_can_frame *frame)
+static void publish_frame(struct silkit_can *self, const struct dg_can_frame *frame)
 {
     if (self->port.packed) {
-        pack(self, frame);
+        pack_frame(self, frame);
         return;
     }
     const uint8_t n = frame->dlc < sizeof frame->data ? frame->dlc : (uint8_t)sizeof frame->data;
@@ -71,7 +71,7 @@ static bool write_frame(struct lx_can *can, const struct dg_can_frame *frame)
 {
     struct silkit_can *self = silkit_of(can);
     if (lx_silkit_is_ready(self->port.all)) {
-        send(self, frame);
+        publish_frame(self, frame);
         return true;
     }
     if (self->early == NULL) {
@@ -98,7 +98,7 @@ static void on_ready(void *ctx, dg_ns now)
 {
     struct silkit_can *self = ctx;
     for (size_t i = 0; i < self->early_count; i++) {
-        send(self, &self->early[i]);
+        publish_frame(self, &self->early[i]);
     }
     free(self->early);
     self->early = NULL;
@@ -108,7 +108,8 @@ static void on_ready(void *ctx, dg_ns now)
 
 /* --- in --- */
 
-static void take_frame(struct silkit_can *self, dg_ns now, const struct lx_silkit_message *message)
+static void take_silkit_frame(struct silkit_can *self, dg_ns now,
+                              const struct lx_silkit_message *message)
 {
     const struct lx_can_setup *setup = &self->can.setup;
     struct dg_can_frame frame = {
@@ -142,7 +143,7 @@ static void receive(void *ctx, dg_ns now, const struct lx_silkit_message *messag
 {
     struct silkit_can *self = ctx;
     if (message->kind == LX_SILKIT_FRAME) {
-        take_frame(self, now, message);
+        take_silkit_frame(self, now, message);
     } else if (message->kind == LX_SILKIT_STATE) {
         take_state(self, now, message->id);
     } else if (message->kind == LX_SILKIT_LOST) {
@@ -190,7 +191,7 @@ static const struct lx_can_ops packed_ops = {
 
 /* --- making --- */
 
-static int join(struct silkit_can *self, struct lx_error *error)
+static int join_network(struct silkit_can *self, struct lx_error *error)
 {
     struct lx_can *can = &self->can;
     self->port = (struct lx_silkit_port){.receive = receive, .ready = on_ready, .ctx = self};
@@ -202,7 +203,7 @@ static int join(struct silkit_can *self, struct lx_error *error)
 static int start_controller(struct lx_can *can, struct lx_error *error)
 {
     struct silkit_can *self = silkit_of(can);
-    return join(self, error) != 0
+    return join_network(self, error) != 0
                ? -1
                : lx_silkit_open_can(can->setup.silkit, &self->port, self->where.network, error);
 }
@@ -211,7 +212,7 @@ static int start_packed(struct lx_can *can, struct lx_error *error)
 {
     struct silkit_can *self = silkit_of(can);
     struct lx_silkit *silkit = can->setup.silkit;
-    if (join(self, error) != 0) {
+    if (join_network(self, error) != 0) {
         return -1;
     }
     self->port.packed = true;

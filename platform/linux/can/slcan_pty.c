@@ -47,7 +47,7 @@ struct slcan_pty {
     size_t output_count;
 };
 
-static struct slcan_pty *pty_of(struct lx_can *can)
+static struct slcan_pty *slcan_pty_of(struct lx_can *can)
 {
     return (struct slcan_pty *)can;
 }
@@ -73,7 +73,7 @@ static void drop_output(struct slcan_pty *self)
 /* Send what there is. @return whether all of it is gone */
 static bool flush(struct lx_can *can)
 {
-    struct slcan_pty *self = pty_of(can);
+    struct slcan_pty *self = slcan_pty_of(can);
     if (!anybody_reads(self)) {
         drop_output(self);
     } else if (self->output_count > 0) {
@@ -85,7 +85,7 @@ static bool flush(struct lx_can *can)
 }
 
 /* Send now, the rest later: the bus is stalled until it is gone, and meanwhile nothing is put. */
-static void send_output(struct slcan_pty *self)
+static void send_pty_output(struct slcan_pty *self)
 {
     if (!flush(&self->can)) {
         lx_can_stall(&self->can);
@@ -94,14 +94,14 @@ static void send_output(struct slcan_pty *self)
 
 static void push(struct lx_can *can)
 {
-    if (!pty_of(can)->taking) {
-        send_output(pty_of(can));
+    if (!slcan_pty_of(can)->taking) {
+        send_pty_output(slcan_pty_of(can));
     }
 }
 
 static bool write_frame(struct lx_can *can, const struct dg_can_frame *frame)
 {
-    struct slcan_pty *self = pty_of(can);
+    struct slcan_pty *self = slcan_pty_of(can);
     if (self->output_count > FRAMES_MAX && !flush(can)) {
         return false;
     }
@@ -129,7 +129,7 @@ static uint32_t bit_rate(const struct lx_can *can)
 static void expect(struct lx_can *can, uint16_t kbaud)
 {
     can->expected = kbaud;
-    lx_slcan_check(&pty_of(can)->channel, can->setup.say, kbaud);
+    lx_slcan_check(&slcan_pty_of(can)->channel, can->setup.say, kbaud);
 }
 
 /* --- in --- */
@@ -138,7 +138,7 @@ static void put_reply(struct slcan_pty *self, const char *reply)
 {
     const size_t n = strlen(reply);
     if (self->output_count > FRAMES_MAX) {
-        send_output(self);
+        send_pty_output(self);
     }
     memcpy(self->output + self->output_count, reply, n);
     self->output_count += n;
@@ -158,19 +158,19 @@ static void on_character(void *ctx, dg_ns now, const struct lx_character *charac
     }
     self->taking = false;
     if (self->serial->more == 0) {
-        send_output(self);
+        send_pty_output(self);
     }
 }
 
 static void pause_reading(struct lx_can *can, bool paused)
 {
-    lx_serial_pause(pty_of(can)->serial, paused);
+    lx_serial_pause(slcan_pty_of(can)->serial, paused);
 }
 
 /* --- who has the port open --- */
 
 /* Nobody any more: what they have not read is not for the next one. */
-static void forget(struct slcan_pty *self)
+static void forget_output(struct slcan_pty *self)
 {
     dg_slcan_resync(&self->channel.codec);
     lx_can_discard(&self->can);
@@ -185,7 +185,7 @@ static int on_opening(sd_event_source *source, const struct inotify_event *event
     if ((event->mask & (uint32_t)IN_OPEN) != 0) {
         self->masters++;
     } else if ((event->mask & (uint32_t)IN_CLOSE) != 0 && --self->masters == 0) {
-        forget(self);
+        forget_output(self);
     }
     return 0;
 }
@@ -228,7 +228,7 @@ static int use_address(struct slcan_pty *self)
 static void back(void *ctx)
 {
     struct slcan_pty *self = ctx;
-    forget(self);
+    forget_output(self);
     unwatch_openings(self);
     self->channel = (struct lx_slcan_channel){.mismatch = false};
     self->masters = 0;
@@ -249,7 +249,7 @@ static bool up(const struct lx_can *can)
 
 static void close_slcan(struct lx_can *can)
 {
-    struct slcan_pty *self = pty_of(can);
+    struct slcan_pty *self = slcan_pty_of(can);
     lx_serial_close(self->serial);
     unwatch_openings(self);
 }
@@ -268,7 +268,7 @@ static const struct lx_can_ops slcan_ops = {
 
 static int start_pty(struct lx_can *can, struct lx_error *error)
 {
-    struct slcan_pty *self = pty_of(can);
+    struct slcan_pty *self = slcan_pty_of(can);
     const struct lx_serial_setup line = {
         .event = can->setup.event,
         .say = can->setup.say,

@@ -33,7 +33,7 @@ struct words {
 const char lx_socketcand_hello[] = "< hi >";
 
 /* Up to `digits` hexadecimal digits and nothing else; false when they are not, or beyond `most`. */
-static bool take_hex(const char *word, size_t digits, uint32_t most, uint32_t *value)
+static bool take_hex_word(const char *word, size_t digits, uint32_t most, uint32_t *value)
 {
     const size_t n = strlen(word);
     if (n == 0 || n > digits || strspn(word, "0123456789ABCDEFabcdef") != n) {
@@ -47,7 +47,8 @@ static bool take_hex(const char *word, size_t digits, uint32_t most, uint32_t *v
 static bool take_id(const char *word, struct lx_can_wide *frame)
 {
     frame->extended = strlen(word) == EXTENDED_DIGITS;
-    return take_hex(word, EXTENDED_DIGITS, frame->extended ? EXTENDED_ID_MAX : ID_MAX, &frame->id);
+    return take_hex_word(word, EXTENDED_DIGITS, frame->extended ? EXTENDED_ID_MAX : ID_MAX,
+                         &frame->id);
 }
 
 static void open_bus(struct lx_socketcand *self, const struct words *words,
@@ -98,11 +99,11 @@ static void send(struct lx_socketcand *self, const struct words *words,
     uint32_t value = 0;
     (void)self;
     bool good = take_id(words->word[1], frame) &&
-                take_hex(words->word[2], 2, sizeof frame->frame.data, &value) &&
+                take_hex_word(words->word[2], 2, sizeof frame->frame.data, &value) &&
                 words->count == 3u + value;
     frame->frame.dlc = (uint8_t)value;
     for (size_t i = 3; good && i < words->count; i++) {
-        good = take_hex(words->word[i], 2, UINT8_MAX, &value);
+        good = take_hex_word(words->word[i], 2, UINT8_MAX, &value);
         frame->frame.data[i - 3u] = (uint8_t)value;
     }
     frame->frame.id = (uint16_t)(frame->id & ID_MAX);
@@ -130,7 +131,7 @@ static const struct {
 /* clang-format on */
 
 /* false: too many for any command */
-static bool split(char *text, struct words *words)
+static bool split_words(char *text, struct words *words)
 {
     char *rest = NULL;
     for (char *word = strtok_r(text, BLANKS, &rest); word != NULL;
@@ -143,12 +144,13 @@ static bool split(char *text, struct words *words)
     return words->count > 0;
 }
 
-static void execute(struct lx_socketcand *self, const char *bus, struct lx_socketcand_event *event)
+static void execute_words(struct lx_socketcand *self, const char *bus,
+                          struct lx_socketcand_event *event)
 {
     struct words words = {.bus = bus};
     self->text[self->length] = '\0';
     event->reply = "< error unknown command >";
-    if (self->overlong || strlen(self->text) != self->length || !split(self->text, &words)) {
+    if (self->overlong || strlen(self->text) != self->length || !split_words(self->text, &words)) {
         return;
     }
     for (size_t i = 0; i < DG_COUNT(commands); i++) {
@@ -173,7 +175,7 @@ bool lx_socketcand_feed(struct lx_socketcand *self, const char *bus, uint8_t byt
     } else if (self->inside && byte == '>') {
         self->inside = false;
         *event = (struct lx_socketcand_event){.reply = NULL};
-        execute(self, bus, event);
+        execute_words(self, bus, event);
         return true;
     } else if (self->inside && self->length < LX_SOCKETCAND_MAX) {
         self->text[self->length++] = (char)byte;

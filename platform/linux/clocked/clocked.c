@@ -66,7 +66,7 @@ struct lx_clocked *lx_clocked_new(const struct lx_clocked_protocol *protocol)
 }
 
 /* What the port has of its settings. */
-static void place_encoder(struct lx_clocked *self, size_t index)
+static void place_clocked_encoder(struct lx_clocked *self, size_t index)
 {
     struct lx_station *station = self->station[index];
     const struct lx_stack *stack = lx_stack_of(station->plan->model);
@@ -104,7 +104,7 @@ struct lx_clocked *lx_clocked_make(const struct lx_bus_setup *setup, struct dg_e
     self->station = setup->stations;
     self->count = setup->count;
     for (size_t i = 0; i < setup->count; i++) {
-        place_encoder(self, i);
+        place_clocked_encoder(self, i);
     }
     to->ops = &self->ops;
     to->ctx = self;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  *   clock edges -- on_edges --> edge() --\
- *                                        > answer(): data, deadline
+ *                                        > answer_edge(): data, deadline
  *   timer ------- on_timeout -> step() --/
  *
  * Nothing is printed between an edge and its answer, nor inside a frame that goes well: a line on
@@ -30,7 +30,7 @@
 static const uint64_t tell_after[] = {5, 100, LX_GPIO_RATE_ENOUGH};
 #define TELL_COUNT DG_COUNT(tell_after)
 
-static void gone(struct lx_gpio *self, int reason)
+static void close_gone_lines(struct lx_gpio *self, int reason)
 {
     if (self->has_gone) {
         return;
@@ -49,7 +49,7 @@ static dg_ns deadline_of(const struct lx_gpio *self)
 /* Answers have half a period: the master may look at the line at the edge behind a rising one
  * already.
  */
-static void judge(struct lx_gpio *self, dg_ns next)
+static void judge_edge(struct lx_gpio *self, dg_ns next)
 {
     if (self->due) {
         self->counters.late += self->waiting > 0 || next < self->answered;
@@ -57,14 +57,14 @@ static void judge(struct lx_gpio *self, dg_ns next)
     self->due = false;
 }
 
-static void take_edge(struct lx_gpio *self, const struct lx_gpio_edge *edge)
+static void take_kernel_edge(struct lx_gpio *self, const struct lx_gpio_edge *edge)
 {
     const struct lx_clocked *line = self->setup.line;
 
     self->doubtful = false;
     self->counters.edges++;
     self->counters.lost += edge->gap || edge->level == dg_bus_edges_clock(line->bus);
-    judge(self, edge->at);
+    judge_edge(self, edge->at);
     (void)dg_bus_edge(line->bus, edge->at, edge->level);
     if (!edge->level) {
         return;
@@ -78,7 +78,7 @@ static void take_edge(struct lx_gpio *self, const struct lx_gpio_edge *edge)
 
 /* The data line as the encoder has it. It is written after every rising edge, whether it changes or
    not, so that all answers take the same time. */
-static void answer(struct lx_gpio *self)
+static void answer_edge(struct lx_gpio *self)
 {
     struct lx_gpio_lines *lines = self->setup.lines;
     const struct lx_clocked *line = self->setup.line;
@@ -87,7 +87,7 @@ static void answer(struct lx_gpio *self)
     if (self->waiting > 0 || level != self->data) {
         const int result = lines->ops->set_data(lines, level);
         if (result < 0) {
-            gone(self, result);
+            close_gone_lines(self, result);
             return;
         }
         self->data = level;
@@ -115,7 +115,7 @@ static int take_edges(struct lx_gpio *self, unsigned batches)
     for (unsigned i = 0; i < batches && n > 0; i++) {
         n = lines->ops->read(lines, edges, BATCH);
         for (int j = 0; j < n; j++) {
-            take_edge(self, &edges[j]);
+            take_kernel_edge(self, &edges[j]);
         }
     }
     return n < 0 ? n : 0;
@@ -128,23 +128,23 @@ static int on_edges(sd_event_source *source, int fd, uint32_t events, void *ctx)
     (void)source;
     (void)fd;
     if (result < 0) {
-        gone(self, result);
+        close_gone_lines(self, result);
         return 0;
     }
-    answer(self);
+    answer_edge(self);
     return 0;
 }
 
 /* Whether the clock has the level of its last edge, so that the timeout may end. When not, an edge
    is on its way or has been lost: it is waited for once, and made up for then. */
-static bool settle(struct lx_gpio *self, dg_ns now)
+static bool settle_clock(struct lx_gpio *self, dg_ns now)
 {
     struct lx_gpio_lines *lines = self->setup.lines;
     const struct lx_clocked *line = self->setup.line;
     const int level = lines->ops->get_clock(lines);
 
     if (level < 0) {
-        gone(self, level);
+        close_gone_lines(self, level);
         return false;
     }
     if ((level != 0) == dg_bus_edges_clock(line->bus)) {
@@ -171,13 +171,13 @@ static void on_timeout(void *ctx, dg_ns now)
     const int result = take_edges(self, BATCHES_MAX);
 
     if (result < 0) {
-        gone(self, result);
+        close_gone_lines(self, result);
         return;
     }
-    if (deadline_of(self) <= now && settle(self, now)) {
+    if (deadline_of(self) <= now && settle_clock(self, now)) {
         (void)dg_bus_step(self->setup.line->bus, deadline_of(self));
     }
-    answer(self);
+    answer_edge(self);
 }
 
 /* Which frames a clock of lx_gpio_rate_hz() is good for. */
@@ -194,7 +194,7 @@ static const char *good_for(const struct lx_gpio_rate *rate, char text[GOOD_FOR_
     return text;
 }
 
-static void complain(const struct lx_gpio *self, uint64_t late, uint64_t lost)
+static void complain_of_clock(const struct lx_gpio *self, uint64_t late, uint64_t lost)
 {
     const char *name = self->setup.name;
     const struct lx_clocked_protocol *protocol = self->setup.line->protocol;
@@ -224,7 +224,7 @@ static void report_trouble(struct lx_gpio *self, dg_ns now)
         return;
     }
     if (self->trouble == 0 || dg_elapsed(now, self->trouble) > EPISODE) {
-        complain(self, late, lost);
+        complain_of_clock(self, late, lost);
     }
     self->trouble = now;
 }
@@ -265,7 +265,7 @@ static void on_watch(void *ctx, dg_ns now)
     const int level = self->setup.lines->ops->get_clock(self->setup.lines);
 
     if (level < 0) {
-        gone(self, level);
+        close_gone_lines(self, level);
         return;
     }
     report_trouble(self, now);
@@ -273,7 +273,7 @@ static void on_watch(void *ctx, dg_ns now)
     arm_watch(self, now);
 }
 
-static int listen(struct lx_gpio *self)
+static int listen_to_edges(struct lx_gpio *self)
 {
     sd_event *event = self->setup.event;
     int result = lx_timer_open(&self->timeout, event, on_timeout, self);
@@ -291,7 +291,7 @@ int lx_gpio_open(struct lx_gpio *self, const struct lx_gpio_setup *setup, struct
     const struct lx_clocked *line = setup->line;
     *self = (struct lx_gpio){.setup = *setup, .data = line->data};
     lx_gpio_rate_init(&self->rate, line->protocol->master->rises(line->bus));
-    const int result = listen(self);
+    const int result = listen_to_edges(self);
     if (result < 0) {
         return lx_fail(error, "no event loop for %s: %s", setup->name, strerror(-result));
     }
@@ -302,7 +302,7 @@ int lx_gpio_open(struct lx_gpio *self, const struct lx_gpio_setup *setup, struct
                        strerror(-level));
     }
     (void)dg_bus_edge(line->bus, now, level != 0);
-    answer(self);
+    answer_edge(self);
     arm_watch(self, now);
     return 0;
 }
@@ -314,7 +314,7 @@ void lx_gpio_changed(struct lx_gpio *self)
         return;
     }
     lx_clocked_look(self->setup.line, 0);
-    answer(self);
+    answer_edge(self);
 }
 
 void lx_gpio_close(struct lx_gpio *self)

@@ -131,7 +131,7 @@ static const struct lx_bus_ops ops = {LX_BUS_OPERATIONS, .check = check};
 
 /* --- from the plan --- */
 
-static int understand(struct gpio_bus *self, struct dg_engine_wire *to, struct lx_error *error)
+static int prepare_line(struct gpio_bus *self, struct dg_engine_wire *to, struct lx_error *error)
 {
     const struct lx_bus_setup *setup = &self->bus.setup;
     if (lx_gpio_address_parse(&self->address, setup->wire->where, error) != 0) {
@@ -149,7 +149,7 @@ struct lx_bus *lx_gpio_bus_make(const struct lx_bus_setup *setup, struct dg_engi
     if (self == NULL) {
         return NULL;
     }
-    if (understand(self, to, error) != 0) {
+    if (prepare_line(self, to, error) != 0) {
         free(self);
         return NULL;
     }

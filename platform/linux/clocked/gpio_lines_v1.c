@@ -18,7 +18,7 @@ struct lines {
     struct gpiod_line *data;
 };
 
-static struct lines *lines_of(struct lx_gpio_lines *base)
+static struct lines *v1_lines_of(struct lx_gpio_lines *base)
 {
     return (struct lines *)base;
 }
@@ -43,18 +43,18 @@ static int read_edges(struct lx_gpio_lines *base, struct lx_gpio_edge *edges, si
 
 static int get_clock(struct lx_gpio_lines *base)
 {
-    const int level = gpiod_line_get_value(lines_of(base)->clock);
+    const int level = gpiod_line_get_value(v1_lines_of(base)->clock);
     return level < 0 ? -errno : level;
 }
 
 static int set_data(struct lx_gpio_lines *base, bool level)
 {
-    return gpiod_line_set_value(lines_of(base)->data, level) < 0 ? -errno : 0;
+    return gpiod_line_set_value(v1_lines_of(base)->data, level) < 0 ? -errno : 0;
 }
 
 static void close_lines(struct lx_gpio_lines *base)
 {
-    struct lines *self = lines_of(base);
+    struct lines *self = v1_lines_of(base);
     if (self->chip != NULL) {
         gpiod_chip_close(self->chip); /* its lines as well */
     }
@@ -68,8 +68,8 @@ static const struct lx_gpio_lines_ops ops = {
     .close = close_lines,
 };
 
-static int request(struct lines *self, const struct lx_gpio_address *address, bool data,
-                   struct lx_error *error)
+static int request_lines(struct lines *self, const struct lx_gpio_address *address, bool data,
+                         struct lx_error *error)
 {
     char path[LX_GPIO_PATH_MAX];
     lx_gpio_find(address, path);
@@ -104,7 +104,7 @@ struct lx_gpio_lines *lx_gpio_lines_open(const struct lx_gpio_address *address, 
         return NULL;
     }
     self->base.ops = &ops;
-    if (request(self, address, data, error) != 0) {
+    if (request_lines(self, address, data, error) != 0) {
         close_lines(&self->base);
         return NULL;
     }

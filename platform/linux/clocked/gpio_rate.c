@@ -19,7 +19,7 @@ static unsigned shift_of(uint32_t value)
     return shift;
 }
 
-static unsigned step_of(uint32_t value)
+static unsigned histogram_step_of(uint32_t value)
 {
     const unsigned shift = shift_of(value);
     return (shift << FINE_BITS) + (value >> shift);
@@ -43,7 +43,7 @@ void lx_gpio_rate_take(struct lx_gpio_rate *self, dg_ns reaction, uint32_t edges
     const uint32_t ns = reaction < UINT32_MAX ? (uint32_t)reaction : UINT32_MAX;
     self->worst_ns = ns > self->worst_ns ? ns : self->worst_ns;
     self->edges += edges;
-    self->step[step_of(ns)] += edges;
+    self->step[histogram_step_of(ns)] += edges;
 }
 
 uint64_t lx_gpio_rate_frames(const struct lx_gpio_rate *self)

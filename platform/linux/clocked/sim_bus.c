@@ -87,7 +87,7 @@ static void skip_frames(struct sim_bus *self, uint64_t n)
 }
 
 /* Somebody has done something: to the encoders, or by them. */
-static void stir(struct sim_bus *self, dg_ns now)
+static void wake_bus(struct sim_bus *self, dg_ns now)
 {
     self->stirred = dg_after(dg_after(now, self->init), STIRRED);
 }
@@ -117,7 +117,7 @@ static void pass_over(struct sim_bus *self, dg_ns now)
 
 /* Sleep until the next frame, unless nobody could notice it, or until there may be something to
    tell the user. */
-static void rest(struct sim_bus *self)
+static void sleep_until_frame(struct sim_bus *self)
 {
     const struct lx_bus_setup *setup = &self->bus.setup;
     if (self->bus.setup.door->driven) {
@@ -131,7 +131,7 @@ static void rest(struct sim_bus *self)
     lx_timer_at(&self->timer, due != DG_NEVER ? lx_clock_real(setup->clock, due) : DG_NEVER);
 }
 
-static void catch_up(struct sim_bus *self)
+static void catch_up_frames(struct sim_bus *self)
 {
     if (self->bus.setup.door->driven) {
         return;
@@ -143,16 +143,16 @@ static void catch_up(struct sim_bus *self)
         read_frame(self, next_read(self));
         self->due += READ_EVERY;
         if (watched && !is_watched(self)) { /* a fault is used up: the next ones are not like it */
-            stir(self, self->due);
+            wake_bus(self, self->due);
         }
     }
-    rest(self);
+    sleep_until_frame(self);
 }
 
 static void on_time(void *ctx, dg_ns now)
 {
     (void)now;
-    catch_up(ctx);
+    catch_up_frames(ctx);
 }
 
 /* --- what the control plane asks for --- */
@@ -178,7 +178,7 @@ struct lx_clocked *lx_sim_bus_line(struct lx_bus *bus)
 struct dg_bus_master *lx_sim_bus_begin(struct lx_bus *bus)
 {
     struct sim_bus *self = sim_of(bus);
-    catch_up(self);
+    catch_up_frames(self);
     lx_clocked_listen(self->line);
     dg_bus_master_pause(&self->master, lx_clock_now(bus->setup.clock));
     return &self->master;
@@ -193,8 +193,8 @@ void lx_sim_bus_read(struct lx_bus *bus)
 void lx_sim_bus_end(struct lx_bus *bus)
 {
     struct sim_bus *self = sim_of(bus);
-    stir(self, lx_clock_now(bus->setup.clock));
-    rest(self);
+    wake_bus(self, lx_clock_now(bus->setup.clock));
+    sleep_until_frame(self);
 }
 
 const struct dg_bus_master *lx_sim_bus_ask(struct lx_bus *bus, char *detail)
@@ -242,8 +242,8 @@ static int open_bus(struct lx_bus *bus, dg_ns now, struct lx_error *error)
     if (lx_timer_make(&self->timer, setup->event, on_time, self, error) != 0) {
         return -1;
     }
-    stir(self, self->due);
-    catch_up(self);
+    wake_bus(self, self->due);
+    catch_up_frames(self);
     return setup->door->driven ? lx_sim_silkit_open(&self->silkit, bus, error) : 0;
 }
 
@@ -258,7 +258,7 @@ static void address(const struct lx_bus *bus, const struct lx_station *station, 
 static void look(struct lx_bus *bus, dg_ns now)
 {
     (void)now;
-    catch_up(sim_of(bus));
+    catch_up_frames(sim_of(bus));
 }
 
 /* The clock may have been stepped, or run at another rate: that alone changes no frame. */
@@ -266,9 +266,9 @@ static void changed(struct lx_bus *bus, struct lx_station *station, dg_ns now)
 {
     struct sim_bus *self = sim_of(bus);
     if (station != NULL) {
-        stir(self, now);
+        wake_bus(self, now);
     }
-    catch_up(self);
+    catch_up_frames(self);
 }
 
 static void counters(const struct lx_bus *bus, const struct lx_station *station, struct dg_scpi *to)
@@ -307,8 +307,8 @@ static int check_timing(const struct dg_plan_timing *timing, struct lx_error *er
 }
 
 /* By itself it is right: somebody has set it. */
-static int refuse_key(const struct dg_plan *plan, const struct dg_plan_wire *wire, const char *key,
-                      struct lx_error *error)
+static int refuse_wire_key(const struct dg_plan *plan, const struct dg_plan_wire *wire,
+                           const char *key, struct lx_error *error)
 {
     const struct dg_plan_setting *row = wire->settings.list;
     while (strcmp(row->key, key) != 0) {
@@ -323,11 +323,11 @@ static int check_wire(const struct lx_bus_setup *setup, const struct lx_clocked 
     const struct dg_plan_timing *timing =
         &dg_engine_wire_of(setup->engine, setup->index)->line.timing;
     if (check_timing(timing, error) != 0) {
-        return refuse_key(setup->plan, setup->wire, "compensate", error);
+        return refuse_wire_key(setup->plan, setup->wire, "compensate", error);
     }
     return lx_clocked_check_rate(line, timing->clock_hz, error) == 0
                ? 0
-               : refuse_key(setup->plan, setup->wire, "clock_hz", error);
+               : refuse_wire_key(setup->plan, setup->wire, "clock_hz", error);
 }
 
 /* A simulation has a clock of its own, which suits all. */

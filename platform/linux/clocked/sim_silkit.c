@@ -31,7 +31,7 @@ static void put_entry(uint8_t *to, const struct dg_bus_master *master, size_t en
     dg_store_le64(to + 16, word.bits);
 }
 
-static void read_frame(struct lx_sim_silkit *self)
+static void publish_reading(struct lx_sim_silkit *self)
 {
     const struct dg_bus_master *master = lx_sim_bus_begin(self->bus);
     const size_t count = self->bus->setup.count;
@@ -52,7 +52,7 @@ static void receive(void *ctx, dg_ns now, const struct lx_silkit_message *messag
     (void)message;
     (void)last;
     self->latched = true;
-    read_frame(self);
+    publish_reading(self);
 }
 
 static void step(void *ctx, dg_ns now)
@@ -60,7 +60,7 @@ static void step(void *ctx, dg_ns now)
     struct lx_sim_silkit *self = ctx;
     (void)now;
     if (!self->latched) {
-        read_frame(self);
+        publish_reading(self);
     }
 }
 

@@ -41,7 +41,7 @@ _Static_assert(LX_MODBUS_ADU_MAX == HEADER + 6u + 2u * MODBUS_MAX_WRITE_REGISTER
 
 /* Both lengths of a list of values: its byte count, and what there is. A request with none is too
    short, one with more than Modbus allows is longer than LX_MODBUS_ADU_MAX. */
-static bool values_fit(const struct request *rq, size_t at)
+static bool written_values_fit(const struct request *rq, size_t at)
 {
     return rq->pdu[at] == 2u * rq->write.count && rq->length == at + 1u + rq->pdu[at];
 }
@@ -68,7 +68,7 @@ static bool parse_write(struct request *rq)
 {
     rq->write = range_at(rq->pdu + 1);
     rq->values = rq->pdu + 6;
-    return values_fit(rq, 5);
+    return written_values_fit(rq, 5);
 }
 
 static bool parse_both(struct request *rq)
@@ -76,7 +76,7 @@ static bool parse_both(struct request *rq)
     rq->read = range_at(rq->pdu + 1);
     rq->write = range_at(rq->pdu + 5);
     rq->values = rq->pdu + 10;
-    return count_fits(&rq->read) && values_fit(rq, 9);
+    return count_fits(&rq->read) && written_values_fit(rq, 9);
 }
 
 /* Function codes, and the bytes of a request: exactly, or with values more than that. */
@@ -94,7 +94,7 @@ static const struct {
 };
 
 /* 0 or the exception. */
-static unsigned parse(struct request *rq)
+static unsigned parse_request(struct request *rq)
 {
     for (size_t i = 0; i < DG_COUNT(functions); i++) {
         if (functions[i].code != rq->pdu[0]) {
@@ -108,7 +108,7 @@ static unsigned parse(struct request *rq)
 }
 
 /* 0 or the exception; then nothing has been written. */
-static unsigned execute(struct lx_modbus *self, const struct request *rq)
+static unsigned execute_request(struct lx_modbus *self, const struct request *rq)
 {
     uint16_t values[MODBUS_MAX_WRITE_REGISTERS];
     if (!lx_map_readable(&self->map, rq->read) || !lx_map_writable(&self->map, rq->write)) {
@@ -125,26 +125,26 @@ static unsigned execute(struct lx_modbus *self, const struct request *rq)
 }
 
 /* Sleep until a cycle does something by itself. */
-static void rest(struct lx_modbus *self)
+static void sleep_until_cycle(struct lx_modbus *self)
 {
     lx_timer_at(&self->timer, lx_ring_time_next(&self->time));
 }
 
 /* @return false: the client does not take its answers */
-static bool answer(struct lx_modbus *self, int fd, uint8_t *bytes, size_t length)
+static bool answer_client(struct lx_modbus *self, int fd, uint8_t *bytes, size_t length)
 {
     struct request rq = {.pdu = bytes + HEADER, .length = length - HEADER};
     const dg_ns now = lx_now();
-    unsigned exception = parse(&rq);
+    unsigned exception = parse_request(&rq);
     lx_ring_time_to(&self->time, now);
     lx_map_request(&self->map, now);
     if (exception == 0) {
-        exception = execute(self, &rq);
+        exception = execute_request(self, &rq);
     }
     if (exception == 0 && rq.write.count > 0) {
         lx_ring_time_stir(&self->time);
     }
-    rest(self);
+    sleep_until_cycle(self);
     modbus_mapping_t mapping = {
         .nb_registers = LX_MAP_END,
         .nb_input_registers = LX_MAP_END,
@@ -187,7 +187,7 @@ static void on_byte(void *ctx, struct lx_peer *peer, dg_ns now, uint8_t byte, si
         lx_peer_send_away(peer);
     } else if (client->length == length) {
         client->length = 0;
-        peer->broken = !answer(ctx, peer->fd, client->bytes, length);
+        peer->broken = !answer_client(ctx, peer->fd, client->bytes, length);
     }
 }
 
@@ -195,20 +195,20 @@ static void on_time(void *ctx, dg_ns now)
 {
     struct lx_modbus *self = ctx;
     lx_ring_time_due(&self->time, now);
-    rest(self);
+    sleep_until_cycle(self);
 }
 
 void lx_modbus_look(struct lx_modbus *self, dg_ns now)
 {
     lx_ring_time_to(&self->time, now);
-    rest(self);
+    sleep_until_cycle(self);
 }
 
 void lx_modbus_stir(struct lx_modbus *self, bool watched, dg_ns now)
 {
     lx_ring_time_watch(&self->time, watched, now);
     lx_ring_time_stir(&self->time);
-    rest(self);
+    sleep_until_cycle(self);
 }
 
 void lx_modbus_unwatch(struct lx_modbus *self)

@@ -231,7 +231,7 @@ static uint32_t count_of(const struct lx_map *self, const struct row *row)
     return 0;
 }
 
-static const struct row *row_of(const struct lx_map *self, uint32_t address)
+static const struct row *map_row_of(const struct lx_map *self, uint32_t address)
 {
     for (size_t i = 0; i < ROWS; i++) {
         if (address >= rows[i].first && address - rows[i].first < count_of(self, &rows[i])) {
@@ -260,7 +260,7 @@ void lx_map_init(struct lx_map *self, struct lx_ring *ring)
 bool lx_map_readable(const struct lx_map *self, struct lx_range range)
 {
     for (uint32_t i = 0; i < range.count; i++) {
-        if (row_of(self, range.first + i) == NULL) {
+        if (map_row_of(self, range.first + i) == NULL) {
             return false;
         }
     }
@@ -270,7 +270,7 @@ bool lx_map_readable(const struct lx_map *self, struct lx_range range)
 bool lx_map_writable(const struct lx_map *self, struct lx_range range)
 {
     for (uint32_t i = 0; i < range.count; i++) {
-        const struct row *row = row_of(self, range.first + i);
+        const struct row *row = map_row_of(self, range.first + i);
         if (row == NULL || row->most == 0) {
             return false;
         }
@@ -289,8 +289,8 @@ static uint16_t read_register(const struct lx_map *self, const struct row *row, 
     return value;
 }
 
-static void write_register(struct lx_map *self, const struct row *row, uint16_t index,
-                           uint16_t value)
+static void write_modbus_register(struct lx_map *self, const struct row *row, uint16_t index,
+                                  uint16_t value)
 {
     if (row->write != NULL) {
         row->write(self, index, value);
@@ -302,7 +302,7 @@ static void write_register(struct lx_map *self, const struct row *row, uint16_t 
 void lx_map_read(const struct lx_map *self, struct lx_range range, uint16_t *to)
 {
     for (uint32_t i = 0; i < range.count; i++) {
-        const struct row *row = row_of(self, range.first + i);
+        const struct row *row = map_row_of(self, range.first + i);
         to[i] = read_register(self, row, (uint16_t)(range.first + i - row->first));
     }
 }
@@ -310,13 +310,13 @@ void lx_map_read(const struct lx_map *self, struct lx_range range, uint16_t *to)
 bool lx_map_write(struct lx_map *self, struct lx_range range, const uint16_t *values)
 {
     for (uint32_t i = 0; i < range.count; i++) {
-        if (values[i] > row_of(self, range.first + i)->most) {
+        if (values[i] > map_row_of(self, range.first + i)->most) {
             return false;
         }
     }
     for (uint32_t i = 0; i < range.count; i++) {
-        const struct row *row = row_of(self, range.first + i);
-        write_register(self, row, (uint16_t)(range.first + i - row->first), values[i]);
+        const struct row *row = map_row_of(self, range.first + i);
+        write_modbus_register(self, row, (uint16_t)(range.first + i - row->first), values[i]);
     }
     return true;
 }

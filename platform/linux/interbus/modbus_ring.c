@@ -35,7 +35,7 @@ struct dg_world *lx_ring_world(const struct lx_ring *self, size_t index)
 
 /* --- memories --- */
 
-static bool make_room(struct lx_ring *self)
+static bool make_ring_room(struct lx_ring *self)
 {
     self->part_of = calloc(self->count, sizeof(struct lx_image_part *));
     self->parts = calloc(self->count, sizeof *self->parts);
@@ -50,7 +50,7 @@ static bool same_path(const char *a, const char *b)
 
 /* The parts of the devices with this file, one of which is the first that has it; NULL: of those
    without. */
-static void gather(struct lx_ring *self, size_t first, struct lx_image_part *parts)
+static void gather_memories(struct lx_ring *self, size_t first, struct lx_image_part *parts)
 {
     struct lx_ring_store *store = &self->stores[self->store_count++];
     *store = (struct lx_ring_store){.path = station_at(self, first)->plan->nvm, .parts = parts};
@@ -69,18 +69,18 @@ static void gather(struct lx_ring *self, size_t first, struct lx_image_part *par
 }
 
 /* Which part of which memory is whose. */
-static void share_out(struct lx_ring *self)
+static void assign_memories(struct lx_ring *self)
 {
     size_t used = 0;
     for (size_t i = 0; i < self->count; i++) {
         if (self->part_of[i] == NULL) {
-            gather(self, i, &self->parts[used]);
+            gather_memories(self, i, &self->parts[used]);
             used += self->stores[self->store_count - 1].count;
         }
     }
 }
 
-static bool has_memory(const struct lx_ring_store *self)
+static bool has_own_memory(const struct lx_ring_store *self)
 {
     bool any = false;
     for (size_t i = 0; i < self->count; i++) {
@@ -102,7 +102,7 @@ static int open_store(struct lx_ring_store *self, const struct lx_ring_setup *se
         .settled = setup->settled,
         .ctx = setup->ctx,
     };
-    if (self->path != NULL && !has_memory(self)) {
+    if (self->path != NULL && !has_own_memory(self)) {
         (void)lx_refuse(error, "leave it out, or have a K3", "K1 and K2 have no EEPROM");
         return lx_about(error, LX_ABOUT_KEY, "nvm", self->path);
     }
@@ -164,7 +164,8 @@ const struct dg_bus_ops lx_ring_ops = {
     .ticket = last_ticket,
 };
 
-static int switch_on(const struct lx_ring *self, size_t index, dg_ns now, struct lx_error *error)
+static int switch_device_on(const struct lx_ring *self, size_t index, dg_ns now,
+                            struct lx_error *error)
 {
     struct lx_station *station = station_at(self, index);
     const struct dg_nvm *nvm = &self->part_of[index]->device.nvm;
@@ -189,13 +190,13 @@ int lx_ring_open(struct lx_ring *self, const struct lx_ring_setup *setup, dg_ns 
     self->bus = setup->core;
     self->is = dg_ring_state(self->bus);
     self->in = dg_engine_wire_of(setup->bus->engine, setup->bus->index)->words.in;
-    if (!make_room(self)) {
+    if (!make_ring_room(self)) {
         return lx_fail(error, "no memory for %zu devices", self->count);
     }
-    share_out(self);
+    assign_memories(self);
     int result = open_stores(self, setup, error);
     for (size_t i = 0; result == 0 && i < self->count; i++) {
-        result = switch_on(self, i, now, error);
+        result = switch_device_on(self, i, now, error);
     }
     return result;
 }

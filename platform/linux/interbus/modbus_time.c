@@ -14,7 +14,7 @@ void lx_ring_time_init(struct lx_ring_time *self, const struct lx_ring_time_setu
 }
 
 /* The cycle that is next, as if it were `at`. */
-static void run(struct lx_ring_time *self, dg_ns at)
+static void run_cycles(struct lx_ring_time *self, dg_ns at)
 {
     lx_map_tick(self->setup.map, at);
     self->setup.drive(self->setup.ctx, at);
@@ -31,7 +31,7 @@ static dg_ns quiet(const struct lx_ring_time *self)
 }
 
 /* All but the last one of those that only count and latch until `end`. */
-static void skip(struct lx_ring_time *self, dg_ns end)
+static void skip_cycles(struct lx_ring_time *self, dg_ns end)
 {
     const dg_ns until = dg_earliest(quiet(self), end);
     if (until <= self->next) {
@@ -45,8 +45,8 @@ static void skip(struct lx_ring_time *self, dg_ns end)
 void lx_ring_time_to(struct lx_ring_time *self, dg_ns now)
 {
     while (!self->watched && self->next <= now) {
-        run(self, self->next);
-        skip(self, dg_after(now, 1));
+        run_cycles(self, self->next);
+        skip_cycles(self, dg_after(now, 1));
     }
 }
 
@@ -98,6 +98,6 @@ void lx_ring_time_due(struct lx_ring_time *self, dg_ns now)
         lx_ring_time_to(self, now);
     } else if (self->next <= now) {
         leave_out(self, now);
-        run(self, now);
+        run_cycles(self, now);
     }
 }

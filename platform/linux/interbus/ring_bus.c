@@ -31,7 +31,7 @@ static struct ring_bus *ring_of(struct lx_bus *bus)
 }
 
 /* A fault may have happened as often as it was to, which nobody hears of. */
-static void straighten(struct ring_bus *self)
+static void straighten_ring(struct ring_bus *self)
 {
     if (!self->bent || lx_bus_is_bent(&self->bus)) {
         return;
@@ -47,7 +47,7 @@ static bool drive_once(void *ctx, dg_ns now)
     struct ring_bus *self = ctx;
     self->bus.late = self->coupled ? self->coupler.map.missed : 0;
     const bool took_place = lx_ring_cycle(&self->ring, now);
-    straighten(self);
+    straighten_ring(self);
     return took_place;
 }
 
@@ -59,7 +59,7 @@ static void drive(void *ctx, dg_ns now)
 /* --- the operations --- */
 
 /* Whoever watches wants each cycle. In a simulation there is nothing but that. */
-static void stir(struct ring_bus *self, dg_ns now)
+static void wake_ring(struct ring_bus *self, dg_ns now)
 {
     if (self->coupled) {
         lx_modbus_stir(&self->coupler, self->bent || lx_tap_on(&self->bus.tap), now);
@@ -69,10 +69,10 @@ static void stir(struct ring_bus *self, dg_ns now)
 /* IN words that were held back come with the next cycle. */
 static void on_settled(void *ctx, dg_ns now)
 {
-    stir(ctx, now);
+    wake_ring(ctx, now);
 }
 
-static int open_topics(struct ring_bus *self, struct lx_error *error)
+static int open_ring_topics(struct ring_bus *self, struct lx_error *error)
 {
     self->silkit.ring = &self->ring;
     self->silkit.drive = drive_once;
@@ -124,10 +124,10 @@ static int open_bus(struct lx_bus *bus, dg_ns now, struct lx_error *error)
     if (lx_ring_open(&self->ring, &ring, now, error) != 0) {
         return place_nvm(setup, self->ring.refused, error);
     }
-    if ((setup->door->driven ? open_topics : open_coupler)(self, error) != 0) {
+    if ((setup->door->driven ? open_ring_topics : open_coupler)(self, error) != 0) {
         return -1;
     }
-    stir(self, now);
+    wake_ring(self, now);
     return 0;
 }
 
@@ -156,7 +156,7 @@ static void changed(struct lx_bus *bus, struct lx_station *station, dg_ns now)
     if (station != NULL) {
         (void)dg_bus_changed(bus->core, station->place, now);
     }
-    stir(self, now);
+    wake_ring(self, now);
 }
 
 static void counters(const struct lx_bus *bus, const struct lx_station *station, struct dg_scpi *to)
@@ -203,7 +203,7 @@ static const struct lx_bus_ops bus_ops = {
 /* --- from the plan --- */
 
 /* As one of a ring a K1 takes turns and leaves them. */
-static void place_encoder(struct ring_bus *self, struct lx_station *station)
+static void place_ring_encoder(struct ring_bus *self, struct lx_station *station)
 {
     const struct dg_ib_model *model = dg_host_line_of(station->host)->settings;
     if (model->profile == DG_IB_K1) {
@@ -220,7 +220,7 @@ struct lx_bus *lx_ring_bus_make(const struct lx_bus_setup *setup, struct dg_engi
         return NULL;
     }
     for (size_t i = 0; i < setup->count; i++) {
-        place_encoder(self, setup->stations[i]);
+        place_ring_encoder(self, setup->stations[i]);
     }
     to->ops = &lx_ring_ops;
     to->ctx = &self->ring;

@@ -6,7 +6,7 @@
 
 #include "line_bus.h"
 
-static struct lx_line_bus *line_of(struct lx_bus *bus)
+static struct lx_line_bus *line_bus_of(struct lx_bus *bus)
 {
     return (struct lx_line_bus *)bus;
 }
@@ -14,7 +14,7 @@ static struct lx_line_bus *line_of(struct lx_bus *bus)
 /* --- the operations --- */
 
 /* What was set over the line stays. */
-static void tell_address(const struct lx_line_encoder *self)
+static void report_encoder_address(const struct lx_line_encoder *self)
 {
     const struct dg_bus_side *side = dg_host_side_at(self->station->host);
     const int wanted = self->station->plan->address;
@@ -26,13 +26,13 @@ static void tell_address(const struct lx_line_encoder *self)
     }
 }
 
-static int switch_on(struct lx_line_encoder *self, dg_ns now, struct lx_error *error)
+static int switch_encoder_on(struct lx_line_encoder *self, dg_ns now, struct lx_error *error)
 {
     if (lx_station_open(self->station, &self->all->bus.setup, lx_line_on_settled, self, now,
                         error) != 0) {
         return -1;
     }
-    tell_address(self);
+    report_encoder_address(self);
     return 0;
 }
 
@@ -78,7 +78,7 @@ static int open_port(struct lx_line_bus *self, struct lx_error *error)
 }
 
 /* The port is open: how it sends is known. @return when the encoders want to be called */
-static dg_ns begin_line(struct lx_line_bus *self, dg_ns now)
+static dg_ns begin_serial_line(struct lx_line_bus *self, dg_ns now)
 {
     const struct lx_bus_setup *setup = &self->bus.setup;
     dg_ns next = DG_NEVER;
@@ -95,9 +95,9 @@ static dg_ns begin_line(struct lx_line_bus *self, dg_ns now)
 
 static int open_bus(struct lx_bus *bus, dg_ns now, struct lx_error *error)
 {
-    struct lx_line_bus *self = line_of(bus);
+    struct lx_line_bus *self = line_bus_of(bus);
     for (size_t i = 0; i < self->count; i++) {
-        if (switch_on(&self->encoder[i], now, error) != 0) {
+        if (switch_encoder_on(&self->encoder[i], now, error) != 0) {
             return -1;
         }
     }
@@ -105,7 +105,7 @@ static int open_bus(struct lx_bus *bus, dg_ns now, struct lx_error *error)
         return -1;
     }
     /* The first deadline: the end of the start-up window. */
-    lx_line_settle(self, begin_line(self, now));
+    lx_line_settle(self, begin_serial_line(self, now));
     return 0;
 }
 
@@ -118,7 +118,7 @@ static void address(const struct lx_bus *bus, const struct lx_station *station, 
 
 static void changed(struct lx_bus *bus, struct lx_station *station, dg_ns now)
 {
-    struct lx_line_bus *self = line_of(bus);
+    struct lx_line_bus *self = line_bus_of(bus);
     lx_line_enter(self);
     for (size_t i = 0; i < self->count; i++) {
         if (station == NULL || station == self->encoder[i].station) {
@@ -144,7 +144,7 @@ static void counters(const struct lx_bus *bus, const struct lx_station *station,
 /* Encoders first: what is written to a file may still lead to a reply. */
 static void close_bus(struct lx_bus *bus)
 {
-    struct lx_line_bus *self = line_of(bus);
+    struct lx_line_bus *self = line_bus_of(bus);
     for (size_t i = 0; i < self->count; i++) {
         lx_station_close(bus->setup.stations[i]);
     }
@@ -157,7 +157,7 @@ static const struct lx_bus_ops ops = {LX_BUS_OPERATIONS};
 
 /* --- from the plan --- */
 
-static void place_encoder(struct lx_line_bus *self, size_t index)
+static void place_line_encoder(struct lx_line_bus *self, size_t index)
 {
     struct lx_station *station = self->bus.setup.stations[index];
     struct lx_line_encoder *encoder = &self->encoder[index];
@@ -184,7 +184,7 @@ struct lx_bus *lx_line_bus_make(const struct lx_bus_setup *setup, struct dg_engi
     self->bus.tap.encoders = self->names;
     self->bus.tap.encoder_count = self->count;
     for (size_t i = 0; i < self->count; i++) {
-        place_encoder(self, i);
+        place_line_encoder(self, i);
     }
     to->ops = &lx_line_ops;
     to->ctx = self;

@@ -72,7 +72,7 @@ void lx_line_enter(struct lx_line_bus *self)
 }
 
 /* A UART has one setting: the first encoder's. */
-static void follow_setting(struct lx_line_bus *self)
+static void follow_line_setting(struct lx_line_bus *self)
 {
     const struct dg_host_uart first = dg_bus_characters_uart(self->bus.core, 0);
     const struct lx_uart uart = lx_line_uart(&first);
@@ -82,7 +82,7 @@ static void follow_setting(struct lx_line_bus *self)
 }
 
 /* Most of the time nobody asks for sine and cosine. */
-static dg_ns sample(struct lx_line_bus *self)
+static dg_ns sample_levels(struct lx_line_bus *self)
 {
     const bool wanted = self->sampling || lx_tap_asked(&self->bus.tap);
     return wanted ? lx_line_sample(self, lx_now()) : DG_NEVER;
@@ -93,8 +93,8 @@ static dg_ns sample(struct lx_line_bus *self)
 void lx_line_settle(struct lx_line_bus *self, dg_ns next)
 {
     self->bus.late = dg_bus_characters_counters(self->bus.core).late;
-    follow_setting(self);
-    lx_timer_at(&self->timer, dg_earliest(next, sample(self)));
+    follow_line_setting(self);
+    lx_timer_at(&self->timer, dg_earliest(next, sample_levels(self)));
 }
 
 void lx_line_on_time(void *ctx, dg_ns now)

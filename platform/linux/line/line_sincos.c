@@ -27,7 +27,7 @@ static dg_ns point_after(const struct lx_line_encoder *self, dg_ns at)
 }
 
 /* Without power there is no voltage. */
-static void tell(struct lx_line_encoder *self, size_t place, dg_ns at)
+static void report_levels(struct lx_line_encoder *self, size_t place, dg_ns at)
 {
     struct dg_tap_event event = {.at = at, .kind = DG_TAP_SINCOS, .ours = true};
     event.sincos.encoder = place;
@@ -40,19 +40,19 @@ static void tell(struct lx_line_encoder *self, size_t place, dg_ns at)
 }
 
 /* A trace has begun: all levels as they are now, then from point to point. */
-static void begin(struct lx_line_bus *self, dg_ns now)
+static void begin_levels(struct lx_line_bus *self, dg_ns now)
 {
     for (size_t i = 0; i < self->count; i++) {
         struct lx_line_encoder *encoder = &self->encoder[i];
         if (samples(encoder)) {
             encoder->drawn = false;
             encoder->point = point_after(encoder, now);
-            tell(encoder, i, now);
+            report_levels(encoder, i, now);
         }
     }
 }
 
-static void catch_up(struct lx_line_bus *self, dg_ns now)
+static void catch_up_levels(struct lx_line_bus *self, dg_ns now)
 {
     const dg_ns oldest = dg_elapsed(now, BEHIND_MAX);
     for (;;) {
@@ -70,7 +70,7 @@ static void catch_up(struct lx_line_bus *self, dg_ns now)
             encoder->point = point_after(encoder, oldest);
             continue;
         }
-        tell(encoder, first, encoder->point);
+        report_levels(encoder, first, encoder->point);
         encoder->point += encoder->sincos;
     }
 }
@@ -79,9 +79,9 @@ dg_ns lx_line_sample(struct lx_line_bus *self, dg_ns now)
 {
     const bool asked = lx_tap_asked(&self->bus.tap);
     if (asked && !self->sampling) {
-        begin(self, now);
+        begin_levels(self, now);
     } else if (asked) {
-        catch_up(self, now);
+        catch_up_levels(self, now);
     }
     self->sampling = asked;
     return asked ? dg_after(now, ROUND) : DG_NEVER;

@@ -49,7 +49,7 @@ static const struct dg_store_layout *layout_of(const struct lx_image_part *self)
 
 /* --- the delivery state --- */
 
-static uint32_t share_out(struct lx_image *self)
+static uint32_t place_parts(struct lx_image *self)
 {
     uint32_t size = 0;
     for (size_t i = 0; i < self->setup.count; i++) {
@@ -76,9 +76,9 @@ static int no_encoder(const struct lx_image_part *self, struct lx_error *error)
     return lx_about(error, LX_ABOUT_ITSELF, "", NULL);
 }
 
-static int deliver(struct lx_image *self, struct lx_error *error)
+static int deliver_parts(struct lx_image *self, struct lx_error *error)
 {
-    if (lx_nvm_memory_init(&self->memory, share_out(self)) != 0) {
+    if (lx_nvm_memory_init(&self->memory, place_parts(self)) != 0) {
         return lx_fail(error, "no memory for the EEPROM");
     }
     self->nvm = lx_nvm_memory_port(&self->memory);
@@ -104,7 +104,7 @@ static uint32_t found_at(const struct lx_image_part *self, uint32_t at)
 }
 
 /* @return bytes of all parts in the file */
-static uint32_t find_parts(struct lx_image *self)
+static uint32_t find_stored_parts(struct lx_image *self)
 {
     uint32_t at = 0;
     for (size_t i = 0; i < self->setup.count; i++) {
@@ -126,7 +126,7 @@ static void move_apart(struct lx_image *self, uint32_t end)
     }
 }
 
-static int refuse(const struct lx_image_part *self, int mounted, struct lx_error *error)
+static int refuse_image(const struct lx_image_part *self, int mounted, struct lx_error *error)
 {
     static const char right[] = "give a file made by drehgeber, or the name of a new one";
     const char *path = self->image->setup.path;
@@ -138,7 +138,7 @@ static int refuse(const struct lx_image_part *self, int mounted, struct lx_error
 }
 
 /* The model as ordered whose figures the memory has, for messages. */
-static const char *owner_of(const struct lx_image_part *self, struct dg_store *store)
+static const char *owning_model_of(const struct lx_image_part *self, struct dg_store *store)
 {
     struct dg_stack_setup other = self->device;
     for (size_t i = 0; i < dg_device_count; i++) {
@@ -150,8 +150,8 @@ static const char *owner_of(const struct lx_image_part *self, struct dg_store *s
     return "an encoder with other factory figures";
 }
 
-static int check_figures(const struct lx_image_part *self, struct dg_store *store,
-                         struct lx_error *error)
+static int check_stored_figures(const struct lx_image_part *self, struct dg_store *store,
+                                struct lx_error *error)
 {
     const struct dg_stack *stack = self->stack;
     const char *what = stack->differs == NULL ? NULL : stack->differs(&self->device, store);
@@ -160,7 +160,7 @@ static int check_figures(const struct lx_image_part *self, struct dg_store *stor
                                     "run that one with the same settings, or give the name of a "
                                     "new file",
                                     "%s: belongs to %s (%s differs)", self->image->setup.path,
-                                    owner_of(self, store), what);
+                                    owning_model_of(self, store), what);
 }
 
 /* One that is damaged is the device's to report. */
@@ -177,7 +177,7 @@ static int check_serial(const struct lx_image_part *self, struct dg_store *store
 }
 
 /* What NVM:ERASe began is ended here, as if the file were new: there is nothing in it any more. */
-static int finish(struct lx_image_part *self, struct lx_error *error)
+static int finish_image(struct lx_image_part *self, struct lx_error *error)
 {
     struct lx_image *image = self->image;
     lx_note(image->setup.say, "%s: NVM:ERASe was interrupted, and is ended now", image->setup.path);
@@ -194,21 +194,21 @@ static int check_part(struct lx_image_part *self, struct lx_error *error)
     const bool whole = self->image->file.length >= self->image->memory.size;
     if (mounted == DG_ERR_BLANK && whole &&
         dg_store_unfinished(layout_of(self), self->device.nvm)) {
-        return finish(self, error);
+        return finish_image(self, error);
     }
     if (mounted != DG_OK) {
-        return refuse(self, mounted, error);
+        return refuse_image(self, mounted, error);
     }
-    return check_figures(self, &store, error) != 0 ? -1 : check_serial(self, &store, error);
+    return check_stored_figures(self, &store, error) != 0 ? -1 : check_serial(self, &store, error);
 }
 
-static int look(struct lx_image *self, struct lx_error *error)
+static int inspect_image(struct lx_image *self, struct lx_error *error)
 {
     const struct dg_nvm file = lx_nvm_file_port(&self->file);
     if (file.ops->read(file.ctx, 0, self->memory.bytes, self->memory.size) != DG_OK) {
         return lx_fail(error, "%s: cannot read", self->setup.path);
     }
-    const uint32_t found = find_parts(self);
+    const uint32_t found = find_stored_parts(self);
     move_apart(self, found);
     for (size_t i = 0; i < self->setup.count; i++) {
         struct lx_image_part *part = &self->setup.parts[i];
@@ -225,7 +225,7 @@ static int look(struct lx_image *self, struct lx_error *error)
 int lx_image_open(struct lx_image *self, const struct lx_image_setup *setup, struct lx_error *error)
 {
     *self = (struct lx_image){.setup = *setup, .file = {.fd = -1}};
-    if (deliver(self, error) != 0) {
+    if (deliver_parts(self, error) != 0) {
         return -1;
     }
     const struct lx_nvm_image delivery = {self->memory.bytes, self->memory.size, setup->answer};
@@ -235,7 +235,7 @@ int lx_image_open(struct lx_image *self, const struct lx_image_setup *setup, str
     if (lx_nvm_file_open(&self->file, setup->path, &delivery, error) != 0) {
         return -1;
     }
-    return self->file.created ? 0 : look(self, error);
+    return self->file.created ? 0 : inspect_image(self, error);
 }
 
 /* One encoder makes its own memory grow in place; the neighbours of several are in the way. */

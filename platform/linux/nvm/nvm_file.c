@@ -21,7 +21,7 @@
 /* --- the memory operations --- */
 
 /* What the file does not have reads FFh, as an erased EEPROM. 0 or an errno. */
-static int read_all(int fd, uint8_t *to, size_t n, off_t at)
+static int read_bytes(int fd, uint8_t *to, size_t n, off_t at)
 {
     while (n > 0) {
         const ssize_t done = pread(fd, to, n, at);
@@ -44,7 +44,7 @@ static int read_all(int fd, uint8_t *to, size_t n, off_t at)
 
 /* One line when it starts to fail, one when it works again. A sync ends the trouble, not a write:
    only then the bytes are known to be there. */
-static int report(struct lx_nvm_file *self, const char *trouble, bool synced)
+static int report_trouble(struct lx_nvm_file *self, const char *trouble, bool synced)
 {
     if (trouble != NULL && !self->failing) {
         self->failing = true;
@@ -88,7 +88,7 @@ static void look_at_length(struct lx_nvm_file *self, const struct stat *own)
 }
 
 /* Whether it is still there and whole. @return NULL, or what is wrong, in words */
-static const char *look(struct lx_nvm_file *self)
+static const char *inspect_file(struct lx_nvm_file *self)
 {
     struct stat own;
     if (fstat(self->fd, &own) != 0) {
@@ -111,7 +111,7 @@ static int fill_gap(struct lx_nvm_file *self, uint32_t address)
 }
 
 /* What fails halfway is made good by the next sync. 0 or an errno. */
-static int put(struct lx_nvm_file *self, uint32_t address, const void *from, size_t n)
+static int write_bytes(struct lx_nvm_file *self, uint32_t address, const void *from, size_t n)
 {
     int reason = fill_gap(self, address);
     if (reason == 0) {
@@ -133,14 +133,14 @@ static int write_file(void *ctx, uint32_t address, const void *from, size_t n)
     if (!lx_nvm_inside(self->size, address, n)) {
         return DG_ERR_IO;
     }
-    const char *trouble = look(self);
-    const int reason = trouble != NULL ? 0 : put(self, address, from, n);
-    return report(self, reason != 0 ? strerror(reason) : trouble, false);
+    const char *trouble = inspect_file(self);
+    const int reason = trouble != NULL ? 0 : write_bytes(self, address, from, n);
+    return report_trouble(self, reason != 0 ? strerror(reason) : trouble, false);
 }
 
 /* After a sync that failed Linux calls pages clean that never reached the medium, and the next sync
    succeeds without them: then only what is written again is known to be there. 0 or an errno. */
-static int flush(struct lx_nvm_file *self)
+static int flush_file(struct lx_nvm_file *self)
 {
     int reason = 0;
     if (self->suspect) {
@@ -156,9 +156,9 @@ static int flush(struct lx_nvm_file *self)
 static int sync_file(void *ctx)
 {
     struct lx_nvm_file *self = ctx;
-    const char *trouble = look(self);
-    const int reason = trouble != NULL ? 0 : flush(self);
-    return report(self, reason != 0 ? strerror(reason) : trouble, true);
+    const char *trouble = inspect_file(self);
+    const int reason = trouble != NULL ? 0 : flush_file(self);
+    return report_trouble(self, reason != 0 ? strerror(reason) : trouble, true);
 }
 
 static const struct dg_nvm_ops file_ops = {
@@ -169,7 +169,7 @@ static const struct dg_nvm_ops file_ops = {
 
 /* --- opening --- */
 
-static int refuse(const struct lx_nvm_file *self, pid_t holder, struct lx_error *error)
+static int refuse_held_file(const struct lx_nvm_file *self, pid_t holder, struct lx_error *error)
 {
     if (holder == 0) {
         return lx_fail(error, "%s: in use by another process; try again", self->path);
@@ -185,22 +185,22 @@ static int refuse(const struct lx_nvm_file *self, pid_t holder, struct lx_error 
 }
 
 /* A file that has lost its name meanwhile has been replaced by another, see below. */
-static int lock(const struct lx_nvm_file *self, struct lx_error *error)
+static int lock_file(const struct lx_nvm_file *self, struct lx_error *error)
 {
     const int reason = lx_file_hold(self->fd);
     struct stat info;
     if (reason == 0) {
         const bool named = fstat(self->fd, &info) == 0 && info.st_nlink > 0;
-        return named ? 0 : refuse(self, 0, error);
+        return named ? 0 : refuse_held_file(self, 0, error);
     }
     /* Anything but this is a file system that cannot lock: then nobody is safe. */
-    return reason == EAGAIN ? refuse(self, lx_file_holder(self->fd), error)
+    return reason == EAGAIN ? refuse_held_file(self, lx_file_holder(self->fd), error)
                             : lx_fail(error, "%s: cannot lock: %s", self->path, strerror(reason));
 }
 
 /* An empty file is refused with the ones that are too long: whoever made it meant something else.
    A short one may be an image whose end is lost; the caller looks. */
-static int check_kind(struct lx_nvm_file *self, struct lx_error *error)
+static int check_file_kind(struct lx_nvm_file *self, struct lx_error *error)
 {
     struct stat info;
     if (fstat(self->fd, &info) != 0) {
@@ -220,9 +220,9 @@ static int check_kind(struct lx_nvm_file *self, struct lx_error *error)
 }
 
 /* Once the file is ours. */
-static int take(struct lx_nvm_file *self, struct lx_error *error)
+static int claim_file(struct lx_nvm_file *self, struct lx_error *error)
 {
-    const int reason = read_all(self->fd, self->bytes, self->size, 0);
+    const int reason = read_bytes(self->fd, self->bytes, self->size, 0);
     return reason == 0 ? 0 : lx_fail(error, "%s: cannot read: %s", self->path, strerror(reason));
 }
 
@@ -234,13 +234,15 @@ static int open_existing(struct lx_nvm_file *self, struct lx_error *error)
         return lx_refuse(error, lx_more_of(errno), "%s: cannot open: %s", self->path,
                          strerror(errno));
     }
-    return check_kind(self, error) != 0 || lock(self, error) != 0 ? -1 : take(self, error);
+    return check_file_kind(self, error) != 0 || lock_file(self, error) != 0
+               ? -1
+               : claim_file(self, error);
 }
 
 /* Give a file its name if nobody has it, in one step that needs no hard links. Network and user
    space file systems that cannot do that may be able to link. 0 or an errno; EOPNOTSUPP: neither.
  */
-static int name_it(const char *from, const char *to)
+static int name_file(const char *from, const char *to)
 {
     if (renameat2(AT_FDCWD, from, AT_FDCWD, to, RENAME_NOREPLACE) == 0) {
         return 0;
@@ -258,7 +260,7 @@ static int name_it(const char *from, const char *to)
 
 /* Of two processes that create it one wins. Locked before it gets its name: a lock on a private
    file cannot be refused by others. 0 or an errno. */
-static int create(struct lx_nvm_file *self, const struct lx_nvm_image *image)
+static int create_file(struct lx_nvm_file *self, const struct lx_nvm_image *image)
 {
     struct lx_beside beside;
     int reason = lx_beside_make(&beside, self->path, image->bytes, image->size);
@@ -266,7 +268,7 @@ static int create(struct lx_nvm_file *self, const struct lx_nvm_image *image)
         reason = lx_file_hold(beside.fd);
     }
     if (reason == 0) {
-        reason = name_it(beside.name, self->path);
+        reason = name_file(beside.name, self->path);
     }
     if (reason != 0) {
         lx_beside_remove(&beside);
@@ -295,7 +297,7 @@ static int open_or_create(struct lx_nvm_file *self, const struct lx_nvm_image *i
     if (access(self->path, F_OK) == 0) {
         return open_existing(self, error);
     }
-    const int reason = create(self, image);
+    const int reason = create_file(self, image);
     if (reason == EEXIST) { /* somebody else was faster, or it is a dangling link */
         return open_existing(self, error);
     }

@@ -74,7 +74,7 @@ struct lx_nvm_writer {
 
 /* --- jobs --- */
 
-static void append(struct lx_nvm_jobs *self, struct lx_nvm_job *first, struct lx_nvm_job *last)
+static void append_jobs(struct lx_nvm_jobs *self, struct lx_nvm_job *first, struct lx_nvm_job *last)
 {
     if (self->first == NULL) {
         self->first = first;
@@ -172,12 +172,12 @@ static int carry_out(const struct dg_nvm *nvm, const struct lx_nvm_job *first,
     }
 }
 
-static void succeed(struct lx_nvm_queue *queue, struct lx_nvm_job *last)
+static void finish_jobs(struct lx_nvm_queue *queue, struct lx_nvm_job *last)
 {
     struct lx_nvm_job *first = queue->jobs.first;
     queue->done = last->ticket != 0 ? last->ticket : queue->done;
     take_up_to(&queue->jobs, last);
-    append(&queue->spent, first, last);
+    append_jobs(&queue->spent, first, last);
     queue->lined_up = false;
     if (queue->jobs.first != NULL) {
         line_up(queue);
@@ -198,7 +198,7 @@ static void tell_loop(struct lx_nvm_writer *self, struct lx_nvm_queue *queue)
     (void)written; /* it cannot overflow, and else it is readable already */
 }
 
-static void serve(struct lx_nvm_writer *self, struct lx_nvm_queue *queue)
+static void serve_queue(struct lx_nvm_writer *self, struct lx_nvm_queue *queue)
 {
     struct lx_nvm_job *first = queue->jobs.first;
     struct lx_nvm_job *last = end_of_part(queue);
@@ -211,7 +211,7 @@ static void serve(struct lx_nvm_writer *self, struct lx_nvm_queue *queue)
     (void)pthread_mutex_lock(&self->lock);
     self->served = NULL;
     if (result == DG_OK) {
-        succeed(queue, last);
+        finish_jobs(queue, last);
     } else {
         queue->stalled = true;
         queue->lined_up = false;
@@ -228,7 +228,7 @@ static void *run(void *ctx)
     struct lx_nvm_queue *queue = NULL;
     (void)pthread_mutex_lock(&self->lock);
     while ((queue = next_in_line(self)) != NULL) {
-        serve(self, queue);
+        serve_queue(self, queue);
     }
     (void)pthread_mutex_unlock(&self->lock);
     return NULL;
@@ -243,7 +243,7 @@ static int read_copy(void *ctx, uint32_t address, void *to, size_t n)
 }
 
 /* With the lock: what a queue that has stalled does about it, see above. @return DG_ERR_IO */
-static int refuse(struct lx_nvm_queue *self)
+static int refuse_write(struct lx_nvm_queue *self)
 {
     if (self->lined_up) {
         return DG_ERR_IO; /* it is being tried again */
@@ -252,7 +252,7 @@ static int refuse(struct lx_nvm_queue *self)
         line_up(self);
         return DG_ERR_IO;
     }
-    append(&self->spent, self->jobs.first, self->jobs.last);
+    append_jobs(&self->spent, self->jobs.first, self->jobs.last);
     self->jobs = (struct lx_nvm_jobs){NULL, NULL};
     self->stalled = false;
     self->emptied = true;
@@ -284,10 +284,10 @@ static int write_later(void *ctx, uint32_t address, const void *from, size_t n)
     }
     (void)pthread_mutex_lock(&writer->lock);
     if (self->stalled) {
-        append(&self->spent, job, job);
-        result = refuse(self);
+        append_jobs(&self->spent, job, job);
+        result = refuse_write(self);
     } else {
-        append(&self->jobs, job, job);
+        append_jobs(&self->jobs, job, job);
         line_up(self);
         memcpy(self->bytes + address, from, n);
         result = DG_OK;
@@ -354,18 +354,18 @@ static void note_through(struct lx_nvm_queue *self)
 }
 
 /* With the lock. Behind others that are under way the moment has been taken already. */
-static int issue(struct lx_nvm_queue *self, struct lx_nvm_job *job)
+static int issue_job(struct lx_nvm_queue *self, struct lx_nvm_job *job)
 {
     const bool alone = self->issued == self->done;
     self->issued = job->ticket;
-    append(&self->jobs, job, job);
+    append_jobs(&self->jobs, job, job);
     line_up(self);
     if (alone) {
         wait_a_moment(self);
     }
     if (alone && self->stalled) {
         self->issued = self->done; /* nobody has been told yes */
-        return refuse(self);
+        return refuse_write(self);
     }
     if (self->done != self->issued) {
         note_open(self);
@@ -386,10 +386,10 @@ static int sync_later(void *ctx)
     job->ticket = ++writer->issued;
     int result = DG_ERR_IO;
     if (self->stalled) {
-        append(&self->spent, job, job);
-        result = refuse(self);
+        append_jobs(&self->spent, job, job);
+        result = refuse_write(self);
     } else {
-        result = issue(self, job);
+        result = issue_job(self, job);
     }
     return unlock_with(self, result);
 }
@@ -461,7 +461,7 @@ static int start_thread(struct lx_nvm_writer *self)
 }
 
 /* @return 0 or an errno */
-static int start(struct lx_nvm_writer *self)
+static int start_writer(struct lx_nvm_writer *self)
 {
     if (self->runs) {
         return 0;
@@ -559,7 +559,7 @@ int lx_nvm_queue_open(struct lx_nvm_queue *self, const struct lx_nvm_queue_setup
     if (setup->writer == NULL) {
         return 0;
     }
-    const int reason = start(setup->writer);
+    const int reason = start_writer(setup->writer);
     if (reason != 0) {
         self->setup.writer = NULL;
         return lx_fail(error, "no thread for EEPROM files: %s", strerror(reason));
@@ -605,7 +605,7 @@ static void wait_for_end(const struct lx_nvm_queue *self)
     }
 }
 
-static void drain(struct lx_nvm_queue *self)
+static void drain_jobs(struct lx_nvm_queue *self)
 {
     struct lx_nvm_writer *writer = self->setup.writer;
     (void)pthread_mutex_lock(&writer->lock);
@@ -622,7 +622,7 @@ void lx_nvm_queue_close(struct lx_nvm_queue *self)
     if (self->bytes == NULL) {
         return;
     }
-    drain(self);
+    drain_jobs(self);
     note_through(self);
     free_all(&self->jobs);
     free_all(&self->spent);

@@ -9,12 +9,12 @@
 /* Digits, sign and point of a number. */
 #define NUMBER_MAX 32u
 
-static bool is_text(const struct dg_key *key)
+static bool is_text_key(const struct dg_key *key)
 {
     return key->type == DG_KEY_TEXT || key->type == DG_KEY_DIGITS;
 }
 
-static bool is_word(const struct dg_key *key)
+static bool is_word_key(const struct dg_key *key)
 {
     return key->type == DG_KEY_FLAG || key->type == DG_KEY_WORD;
 }
@@ -43,7 +43,7 @@ const struct dg_key *lx_keys_row(const struct lx_keys *self, size_t n)
 static bool has_default(const struct dg_key *key, const char *text)
 {
     struct dg_decimal number;
-    if (is_word(key)) {
+    if (is_word_key(key)) {
         return true;
     }
     return dg_decimal_parse(text, strlen(text), key->places, &number) && number.value >= key->min &&
@@ -54,7 +54,8 @@ struct lx_words lx_key_value(const struct dg_key *key, const void *base)
 {
     struct lx_words value = {""};
     char text[NUMBER_MAX];
-    if (!is_text(key) && dg_key_get(key, base, text, sizeof text) > 0 && has_default(key, text)) {
+    if (!is_text_key(key) && dg_key_get(key, base, text, sizeof text) > 0 &&
+        has_default(key, text)) {
         lx_words_add(&value, "%.*s", (int)strcspn(text, "."), text);
     }
     return value;

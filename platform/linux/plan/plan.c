@@ -164,8 +164,8 @@ static int read_plan(struct dg_plan *self, struct dg_plan_setup *setup, struct l
     return 0;
 }
 
-static int read_text(struct dg_plan *self, const char *file, const struct text *text,
-                     const struct lx_plan_shelf *shelf, struct lx_error *error)
+static int read_plan_text(struct dg_plan *self, const char *file, const struct text *text,
+                          const struct lx_plan_shelf *shelf, struct lx_error *error)
 {
     struct including including = {.file = file, .folder = LX_FOLDER_NONE, .shelf = shelf};
     struct dg_plan_setup setup = {
@@ -198,7 +198,7 @@ int lx_plan_read_with(struct dg_plan *self, const char *file, const struct lx_pl
     }
     const int reason = read_stream(&text, stream, SIZE_MAX);
     (void)fclose(stream);
-    const int result = reason == 0 ? read_text(self, file, &text, shelf, error)
+    const int result = reason == 0 ? read_plan_text(self, file, &text, shelf, error)
                                    : lx_fail(error, "%s: cannot read: %s", file, strerror(reason));
     free(text.bytes);
     return result;

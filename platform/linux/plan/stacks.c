@@ -27,7 +27,7 @@ static uint32_t bit_of(const struct lx_stack *self, const struct dg_key *row)
 }
 
 /* What is not for --set. */
-static uint32_t apart(const struct lx_stack *self)
+static uint32_t unsettable_keys_of(const struct lx_stack *self)
 {
     return bit_of(self, dg_keys_find(self->handle->keys, "serial")) |
            bit_of(self, address_row(self));
@@ -47,7 +47,7 @@ void lx_stack_keys(const struct lx_stack *self, const struct dg_device *device,
         .rows = self->handle->keys->rows,
         .count = self->handle->keys->count,
         .base = settings,
-        .without = apart(self) | (all ? 0 : self->without(device)),
+        .without = unsettable_keys_of(self) | (all ? 0 : self->without(device)),
         .instead = self->instead,
     };
     lists[LX_STACK_WORLD] = (struct lx_keys){

@@ -12,7 +12,7 @@
 /* --- what is refused --- */
 
 /* About its wire, if nobody has said something nearer. Always -1. */
-static int refuse_wire(struct lx_engine *self)
+static int refuse_door(struct lx_engine *self)
 {
     if (self->making != NULL) {
         (void)lx_plan_refuse_wire(self->setup.bus.plan, self->making, self->error);
@@ -22,7 +22,7 @@ static int refuse_wire(struct lx_engine *self)
 }
 
 /* Of an encoder the library only names settings; but for its serial number. */
-static int take_error(struct lx_engine *self, const struct dg_plan_error *wrong)
+static int take_plan_error(struct lx_engine *self, const struct dg_plan_error *wrong)
 {
     if (self->told) {
         return -1;
@@ -32,13 +32,13 @@ static int take_error(struct lx_engine *self, const struct dg_plan_error *wrong)
         wrong->valued == DG_PLAN_UNVALUED) {
         self->error->where.about = LX_ABOUT_SETTING;
     }
-    return refuse_wire(self);
+    return refuse_door(self);
 }
 
 /* --- what the library asks --- */
 
 /* The library has handles by now. */
-static void gather(struct lx_engine *self)
+static void gather_doors(struct lx_engine *self)
 {
     const struct dg_plan *plan = self->setup.bus.plan;
     struct lx_station **at = self->on_wires;
@@ -57,7 +57,7 @@ static void gather(struct lx_engine *self)
     }
 }
 
-static struct lx_bus *make_bus(struct lx_engine *self, size_t index, struct dg_engine_wire *to)
+static struct lx_bus *make_door_bus(struct lx_engine *self, size_t index, struct dg_engine_wire *to)
 {
     struct lx_bus_setup setup = self->setup.bus;
     setup.wire = self->making;
@@ -78,17 +78,17 @@ static int make_wire(void *ctx, size_t index, struct dg_engine_wire *to,
     struct lx_engine_wire *wire = &self->wires[index];
     (void)ignored;
     if (self->making == NULL) {
-        gather(self);
+        gather_doors(self);
     }
     self->making = to->plan;
     if (self->setup.wire != NULL && self->setup.wire(self->setup.ctx, index, self->error) != 0) {
-        return refuse_wire(self);
+        return refuse_door(self);
     }
-    wire->bus = make_bus(self, index, to);
+    wire->bus = make_door_bus(self, index, to);
     for (size_t i = 0; wire->bus != NULL && i < to->plan->encoder_count; i++) {
         wire->stations[i]->bus = wire->bus;
     }
-    return wire->bus != NULL ? 0 : refuse_wire(self);
+    return wire->bus != NULL ? 0 : refuse_door(self);
 }
 
 static void *give_rows(void *ctx, size_t index, void *settings, struct dg_keys *rows)
@@ -113,8 +113,8 @@ static int check_memory(const struct lx_engine *self, const struct lx_station *s
     return lx_plan_refuse_key(self->setup.bus.plan, "nvm", plan->nvm_line, error);
 }
 
-static int check_figures(const struct lx_engine *self, const struct lx_station *station,
-                         const void *settings, struct lx_error *error)
+static int check_settings(const struct lx_engine *self, const struct lx_station *station,
+                          const void *settings, struct lx_error *error)
 {
     const struct lx_stack *stack = lx_stack_of(station->plan->model);
     if (stack->check == NULL || stack->check(settings, error) == 0) {
@@ -131,21 +131,21 @@ static int check_encoder(void *ctx, size_t index, const void *settings,
     struct lx_station *station = &self->stations[index];
     const struct lx_bus_ops *ops = station->bus->ops;
     (void)ignored;
-    return check_figures(self, station, settings, self->error) == 0 &&
+    return check_settings(self, station, settings, self->error) == 0 &&
                    check_memory(self, station, self->error) == 0 &&
                    (ops->check == NULL || ops->check(station->bus, station, self->error) == 0)
                ? 0
-               : refuse_wire(self);
+               : refuse_door(self);
 }
 
-static int find_motion(void *ctx, size_t index, const char *path, struct dg_motion *to,
-                       struct dg_plan_error *ignored)
+static int find_host_motion(void *ctx, size_t index, const char *path, struct dg_motion *to,
+                            struct dg_plan_error *ignored)
 {
     struct lx_engine *self = ctx;
     (void)ignored;
     return self->setup.motion(self->setup.ctx, index, path, to, self->error) == 0
                ? 0
-               : refuse_wire(self);
+               : refuse_door(self);
 }
 
 static struct dg_rig_course *find_course(void *ctx, size_t index,
@@ -156,14 +156,14 @@ static struct dg_rig_course *find_course(void *ctx, size_t index,
     struct dg_rig_course *course = self->setup.course(self->setup.ctx, index, setting, self->error);
     (void)ignored;
     if (course == NULL) {
-        (void)refuse_wire(self);
+        (void)refuse_door(self);
     }
     return course;
 }
 
 /* --- all of it --- */
 
-static bool make_room(struct lx_engine *self, size_t size)
+static bool make_engine_room(struct lx_engine *self, size_t size)
 {
     const struct dg_plan *plan = self->setup.bus.plan;
     self->core = aligned_alloc(DG_HOST_ALIGN, size);
@@ -178,12 +178,13 @@ static int make_core(struct lx_engine *self, const struct dg_engine_setup *setup
 {
     struct dg_plan_error wrong;
     const size_t size = dg_engine_size(setup);
-    if (!make_room(self, size)) {
+    if (!make_engine_room(self, size)) {
         (void)lx_fail(self->error, "no memory for a rig");
         return LX_ENGINE_SCARCE;
     }
     self->control = dg_engine_control(self->core);
-    return dg_engine_make(self->core, size, setup, &wrong) != NULL ? 0 : take_error(self, &wrong);
+    return dg_engine_make(self->core, size, setup, &wrong) != NULL ? 0
+                                                                   : take_plan_error(self, &wrong);
 }
 
 int lx_engine_make(struct lx_engine *self, const struct lx_engine_setup *setup,
@@ -200,7 +201,7 @@ int lx_engine_make(struct lx_engine *self, const struct lx_engine_setup *setup,
         .wire = make_wire,
         .rows = give_rows,
         .check = check_encoder,
-        .motion = setup->motion == NULL ? NULL : find_motion,
+        .motion = setup->motion == NULL ? NULL : find_host_motion,
         .course = setup->course == NULL ? NULL : find_course,
         .ctx = self,
     };

@@ -125,7 +125,7 @@ static void free_record(struct lx_record *self)
     free(self);
 }
 
-static struct lx_record *make(const struct lx_record_setup *setup, dg_ns now)
+static struct lx_record *make_record(const struct lx_record_setup *setup, dg_ns now)
 {
     const size_t size = strlen(setup->path) + 1;
     struct lx_record *self = calloc(1, sizeof *self + size);
@@ -171,7 +171,7 @@ struct lx_record *lx_record_open(const struct lx_record_setup *setup, dg_ns now,
         (void)lx_fail(error, "%.48s: the name of a recording ends in .csv", setup->path);
         return NULL;
     }
-    struct lx_record *self = make(setup, now);
+    struct lx_record *self = make_record(setup, now);
     if (self == NULL) {
         (void)lx_fail(error, "%s: no memory for a recording", setup->path);
         return NULL;

@@ -84,8 +84,8 @@ void lx_rig_close_courses(struct lx_rig *self)
 /* --- what is asked for --- */
 
 /* But for the points. "FILE.csv,LOOP,STEP" as a setting says it, or "points,LOOP". */
-static int understand(struct place *next, const struct dg_rig_course_wish *wish,
-                      struct dg_course_words *words, struct lx_error *error)
+static int read_course_words(struct place *next, const struct dg_rig_course_wish *wish,
+                             struct dg_course_words *words, struct lx_error *error)
 {
     const bool state = dg_quantities[wish->quantity].unit == DG_UNIT_STATE;
     struct dg_course *course = &next->course.course;
@@ -134,12 +134,12 @@ static int read_slice(struct lx_courses *self, struct lx_error *error)
 /* --- of the plan --- */
 
 /* All of the file at once. @return as read_slice() */
-static int read_all(struct lx_courses *self, size_t quantity, const char *path,
-                    struct lx_error *error)
+static int read_course_file(struct lx_courses *self, size_t quantity, const char *path,
+                            struct lx_error *error)
 {
     const struct dg_rig_course_wish wish = {.quantity = quantity, .path = path};
     struct dg_course_words words;
-    int result = understand(&self->next, &wish, &words, error) != 0
+    int result = read_course_words(&self->next, &wish, &words, error) != 0
                      ? WORDS
                      : open_file(self, NULL, &wish, words.name, error);
     while (result > 0) {
@@ -166,7 +166,7 @@ struct dg_rig_course *lx_rig_find_course(void *ctx, size_t index,
     struct lx_courses *courses = courses_of(self, index, error);
     char *path = lx_plan_path(plan, setting->value, setting->line, error);
     const int result =
-        courses != NULL && path != NULL ? read_all(courses, quantity, path, error) : WORDS;
+        courses != NULL && path != NULL ? read_course_file(courses, quantity, path, error) : WORDS;
     free(path);
     if (result == 0) {
         return &courses->places[quantity].course;
@@ -196,7 +196,7 @@ static uint64_t count_lent(const struct lx_rig *self, const struct place *but)
     return count;
 }
 
-static bool has_room(const struct lx_courses *self)
+static bool has_course_room(const struct lx_courses *self)
 {
     const struct place *but = &self->places[self->next.course.quantity];
     const uint64_t most = self->rig->setup.plan->course_memory;
@@ -205,7 +205,7 @@ static bool has_room(const struct lx_courses *self)
 }
 
 /* `next` is complete; what cannot be is only found now, and leaves all as it was. */
-static int follow(struct lx_courses *self, dg_ns now, struct lx_error *error)
+static int follow_course(struct lx_courses *self, dg_ns now, struct lx_error *error)
 {
     struct dg_rig *rig = self->rig->control;
     struct dg_course *course = &self->next.course.course;
@@ -216,7 +216,7 @@ static int follow(struct lx_courses *self, dg_ns now, struct lx_error *error)
         (void)lx_fail(error, "a loop needs a time above 0");
         return WORDS;
     }
-    if (!has_room(self)) {
+    if (!has_course_room(self)) {
         (void)lx_fail(error, "[rig] memory has %llu bytes for courses",
                       (unsigned long long)self->rig->setup.plan->course_memory);
         return NO_ROOM;
@@ -229,8 +229,8 @@ static int follow(struct lx_courses *self, dg_ns now, struct lx_error *error)
     return dg_rig_follow(rig, self->encoder, &place->course, now) == 0 ? 0 : WORDS;
 }
 
-static int take_points(struct place *next, const struct dg_rig_course_wish *wish,
-                       struct lx_error *error)
+static int take_wish_points(struct place *next, const struct dg_rig_course_wish *wish,
+                            struct lx_error *error)
 {
     next->points = calloc(wish->count, sizeof *next->points);
     if (next->points == NULL) {
@@ -243,14 +243,14 @@ static int take_points(struct place *next, const struct dg_rig_course_wish *wish
 }
 
 /* @return as read_slice() */
-static int begin(struct lx_courses *self, const struct dg_rig_course_wish *wish,
-                 struct lx_error *error)
+static int begin_course(struct lx_courses *self, const struct dg_rig_course_wish *wish,
+                        struct lx_error *error)
 {
     struct dg_course_words words;
-    if (understand(&self->next, wish, &words, error) != 0) {
+    if (read_course_words(&self->next, wish, &words, error) != 0) {
         return WORDS;
     }
-    return wish->path == NULL ? take_points(&self->next, wish, error)
+    return wish->path == NULL ? take_wish_points(&self->next, wish, error)
                               : open_file(self, self->rig->folder, wish, words.name, error);
 }
 
@@ -264,7 +264,7 @@ static int go_on(struct lx_courses *self, int result, dg_ns now, struct lx_error
         [-BUSY] = DG_SCPI_CONFLICT,
         [-NO_ROOM] = DG_SCPI_MEMORY,
     };
-    result = result == 0 ? follow(self, now, error) : result;
+    result = result == 0 ? follow_course(self, now, error) : result;
     if (result > 0) {
         return DG_RIG_READS;
     }
@@ -287,7 +287,7 @@ int lx_rig_course(struct dg_rig *control, struct dg_encoder *encoder,
         (void)lx_fail(&error, "another client's file is being read for it");
         return go_on(self, BUSY, now, &error, detail);
     }
-    return go_on(self, begin(self, wish, &error), now, &error, detail);
+    return go_on(self, begin_course(self, wish, &error), now, &error, detail);
 }
 
 int lx_rig_course_more(struct dg_rig *control, struct dg_encoder *encoder, dg_ns now, bool gone,

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * make() lets the engine turn the plan into shafts, encoders and wires and touches nothing outside;
- * power() opens
- * what there is outside. Either all of it stands afterwards, or nothing.
+ * make_rig() lets the engine turn the plan into shafts, encoders and wires and touches nothing
+ * outside; power_rig() opens what there is outside. Either all of it stands afterwards, or nothing.
  */
 #define _GNU_SOURCE
 #include "rig.h"
@@ -77,7 +76,7 @@ static int make_engine(struct lx_rig *self, struct lx_error *error)
     return lx_engine_make(&self->engine, &setup, error);
 }
 
-static bool make_room(struct lx_rig *self)
+static bool make_rig_room(struct lx_rig *self)
 {
     const struct dg_plan *plan = self->setup.plan;
     self->shafts = calloc(plan->shaft_count, sizeof *self->shafts);
@@ -87,7 +86,7 @@ static bool make_room(struct lx_rig *self)
 }
 
 /* What the engine has made is the rig's. */
-static void find_parts(struct lx_rig *self)
+static void adopt_parts(struct lx_rig *self)
 {
     const struct dg_plan *plan = self->setup.plan;
     self->control = self->engine.control;
@@ -139,7 +138,7 @@ static bool mind_shafts(struct lx_rig *self, size_t index)
 }
 
 /* @return LX_RIG_OK or what it is that cannot be */
-static enum lx_rig_result make(struct lx_rig *self, struct lx_error *error)
+static enum lx_rig_result make_rig(struct lx_rig *self, struct lx_error *error)
 {
     bool done = true;
     self->ops = lx_rig_ops;
@@ -149,7 +148,7 @@ static enum lx_rig_result make(struct lx_rig *self, struct lx_error *error)
     if (made != 0) {
         return made == LX_ENGINE_SCARCE ? LX_RIG_WORLD : self->result;
     }
-    find_parts(self);
+    adopt_parts(self);
     for (size_t i = 0; done && i < self->setup.plan->wire_count; i++) {
         done = mind_shafts(self, i);
     }
@@ -208,7 +207,7 @@ static void on_written(void *ctx)
 /* --- power --- */
 
 /* Whoever watches a wire sees its first frame, the boot-up of a node, too. */
-static int watch(struct lx_rig_wire *self, struct lx_error *error)
+static int watch_wire(struct lx_rig_wire *self, struct lx_error *error)
 {
     if (self->rig->setup.verbose && lx_rig_listen(self, error) != 0) {
         return -1;
@@ -220,7 +219,7 @@ static int watch(struct lx_rig_wire *self, struct lx_error *error)
 
 static int power_wire(struct lx_rig_wire *self, struct lx_error *error)
 {
-    return watch(self, error) == 0 ? lx_bus_open(self->bus, self->rig->begin, error) : -1;
+    return watch_wire(self, error) == 0 ? lx_bus_open(self->bus, self->rig->begin, error) : -1;
 }
 
 /* --- control plane --- */
@@ -233,8 +232,8 @@ static void enter(void *ctx, bool tcp)
     self->folder = tcp && self->setup.plan->files == NULL ? &self->no_files : &self->files;
 }
 
-static struct lx_server *serve(struct lx_rig *self, const struct dg_plan_control *at,
-                               struct lx_error *error)
+static struct lx_server *open_server(struct lx_rig *self, const struct dg_plan_control *at,
+                                     struct lx_error *error)
 {
     const struct lx_server_setup setup = {
         .event = self->setup.event,
@@ -262,7 +261,7 @@ static void serve_default(struct lx_rig *self)
         if (lx_server_default(name, where, sizeof where, &error) != 0) {
             break;
         }
-        self->servers[0] = serve(self, &(struct dg_plan_control){.where = where}, &error);
+        self->servers[0] = open_server(self, &(struct dg_plan_control){.where = where}, &error);
         (void)snprintf(name, sizeof name, "%.40s-%u", self->setup.plan->name, i);
     }
     if (self->servers[0] == NULL) {
@@ -270,11 +269,11 @@ static void serve_default(struct lx_rig *self)
     }
 }
 
-static int serve_all(struct lx_rig *self, struct lx_error *error)
+static int open_servers(struct lx_rig *self, struct lx_error *error)
 {
     const struct dg_plan *plan = self->setup.plan;
     for (size_t i = 0; i < plan->control_count; i++) {
-        self->servers[i] = serve(self, &plan->controls[i], error);
+        self->servers[i] = open_server(self, &plan->controls[i], error);
         if (self->servers[i] == NULL) {
             return lx_plan_refuse_key(plan, "control", plan->controls[i].line, error);
         }
@@ -314,14 +313,14 @@ static int open_files(struct lx_rig *self, struct lx_error *error)
     return lx_plan_refuse_key(plan, "files", plan->files_line, error);
 }
 
-static void warn(const struct lx_rig *self)
+static void warn_of_servers(const struct lx_rig *self)
 {
     for (size_t i = 0; i < DG_PLAN_CONTROLS_MAX; i++) {
         lx_server_warn(self->servers[i]);
     }
 }
 
-static int power(struct lx_rig *self, struct lx_error *error)
+static int power_rig(struct lx_rig *self, struct lx_error *error)
 {
     if (open_files(self, error) != 0 ||
         lx_timer_make(&self->faults, self->setup.event, on_faults, self, error) != 0) {
@@ -332,11 +331,11 @@ static int power(struct lx_rig *self, struct lx_error *error)
             return -1;
         }
     }
-    if (serve_all(self, error) != 0 || look_after_loop(self, error) != 0 ||
+    if (open_servers(self, error) != 0 || look_after_loop(self, error) != 0 ||
         lx_rig_join(self, error) != 0 || release_traces(self, error) != 0) {
         return -1;
     }
-    warn(self);
+    warn_of_servers(self);
     lx_rig_settle(self, self->begin);
     return 0;
 }
@@ -360,13 +359,13 @@ int lx_rig_open(struct lx_rig **self, const struct lx_rig_setup *setup, dg_ns no
     rig->clock = (struct lx_clock){.real = now, .virtual_ = now, .permille = 1000};
     rig->writer = lx_nvm_writer_new(setup->event, on_written, rig);
     rig->silkit = lx_silkit_new(setup->event, setup->say, setup->plan->name);
-    if (!make_room(rig) || rig->writer == NULL || rig->silkit == NULL) {
+    if (!make_rig_room(rig) || rig->writer == NULL || rig->silkit == NULL) {
         (void)lx_fail(error, "no memory for a rig");
     } else {
         lx_nvm_writer_try(rig->writer, true);
-        result = make(rig, error);
+        result = make_rig(rig, error);
     }
-    if (result == LX_RIG_OK && power(rig, error) != 0) {
+    if (result == LX_RIG_OK && power_rig(rig, error) != 0) {
         result = LX_RIG_WORLD;
     }
     if (result == LX_RIG_OK) {

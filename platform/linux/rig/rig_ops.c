@@ -16,13 +16,13 @@ static struct lx_rig_wire *wire_of(struct dg_rig *control, const struct dg_encod
     return &lx_rig_of(control)->wires[station->plan->wire];
 }
 
-static struct lx_rig_shaft *shaft_of(struct dg_rig *control, const struct dg_rig_shaft *shaft)
+static struct lx_rig_shaft *rig_shaft_of(struct dg_rig *control, const struct dg_rig_shaft *shaft)
 {
     return &lx_rig_of(control)->shafts[dg_engine_shaft_index(control, shaft)];
 }
 
 /* The answer to a command: what was wrong goes with it as far as there is room. */
-static int refuse(enum dg_scpi_error code, char *detail, const char *text)
+static int refuse_command(enum dg_scpi_error code, char *detail, const char *text)
 {
     (void)snprintf(detail, DG_SCPI_DETAIL_MAX + 1u, "%.*s", (int)DG_SCPI_DETAIL_MAX, text);
     return code;
@@ -106,7 +106,7 @@ static void counters(struct dg_rig *control, const struct dg_encoder *encoder, s
 
 static void turns(struct dg_rig *control, struct dg_rig_shaft *shaft, dg_ns now)
 {
-    const struct lx_rig_shaft *self = shaft_of(control, shaft);
+    const struct lx_rig_shaft *self = rig_shaft_of(control, shaft);
     for (size_t i = 0; i < self->minder_count; i++) {
         self->minders[i]->bus->ops->turns(self->minders[i]->bus, now);
     }
@@ -114,7 +114,7 @@ static void turns(struct dg_rig *control, struct dg_rig_shaft *shaft, dg_ns now)
 
 static void turned(struct dg_rig *control, struct dg_rig_shaft *shaft, dg_ns now)
 {
-    struct lx_rig_shaft *self = shaft_of(control, shaft);
+    struct lx_rig_shaft *self = rig_shaft_of(control, shaft);
     self->turns++;
     for (size_t i = 0; i < self->minder_count; i++) {
         tell_bus(self->minders[i], now);
@@ -128,7 +128,7 @@ static bool borrows(const struct dg_shaft_course *course, const struct lx_shaft 
 }
 
 /* A place for a motion whose points nobody looks at any more; what was there is given back. */
-static struct lx_shaft *place(struct lx_rig_shaft *self)
+static struct lx_shaft *find_motion_place(struct lx_rig_shaft *self)
 {
     const struct dg_shaft *shaft = &self->control->shaft;
     struct lx_shaft *at = self->motion;
@@ -141,8 +141,8 @@ static struct lx_shaft *place(struct lx_rig_shaft *self)
 
 /* `motion` stands in its place, `text` is what it was made of: both are the shaft's from here on.
  */
-static int play(struct lx_rig_shaft *self, dg_ns now, struct lx_shaft *motion, char *text,
-                struct lx_error *error)
+static int play_motion(struct lx_rig_shaft *self, dg_ns now, struct lx_shaft *motion, char *text,
+                       struct lx_error *error)
 {
     if (dg_shaft_play(&self->control->shaft, now, &motion->motion) != DG_OK) {
         lx_shaft_free(motion);
@@ -159,7 +159,7 @@ static int play(struct lx_rig_shaft *self, dg_ns now, struct lx_shaft *motion, c
 static int play_words(struct lx_rig_shaft *self, dg_ns now, const char *text,
                       struct lx_error *error)
 {
-    struct lx_shaft *motion = place(self);
+    struct lx_shaft *motion = find_motion_place(self);
     char *copy = strdup(text);
     const int result = copy == NULL ? lx_fail(error, "no memory for %s", text)
                                     : lx_shaft_parse(motion, text, NULL, error);
@@ -167,7 +167,7 @@ static int play_words(struct lx_rig_shaft *self, dg_ns now, const char *text,
         free(copy);
         return result;
     }
-    return play(self, now, motion, copy, error);
+    return play_motion(self, now, motion, copy, error);
 }
 
 /* --- files of clients: a slice in each turn of the loop, so that the wires have theirs --- */
@@ -196,14 +196,14 @@ static int begin_reading(struct lx_rig_shaft *self, const char *text,
     return 1;
 }
 
-static int read_on(struct lx_rig_shaft *self, dg_ns now, struct lx_error *error)
+static int continue_reading(struct lx_rig_shaft *self, dg_ns now, struct lx_error *error)
 {
     struct lx_shaft motion;
     int result = lx_shaft_read_on(self->reading, &motion, error);
     if (result == 0) {
-        struct lx_shaft *at = place(self);
+        struct lx_shaft *at = find_motion_place(self);
         *at = motion;
-        result = play(self, now, at, self->reads, error);
+        result = play_motion(self, now, at, self->reads, error);
         self->reads = NULL;
     }
     if (result <= 0) {
@@ -216,10 +216,10 @@ int lx_rig_refuse(int code, const struct lx_error *error, char *detail)
 {
     const struct lx_words reason = lx_error_reason(error);
     const bool fits = strlen(reason.text) <= DG_SCPI_DETAIL_MAX;
-    return refuse((enum dg_scpi_error)code, detail, fits ? reason.text : error->what);
+    return refuse_command((enum dg_scpi_error)code, detail, fits ? reason.text : error->what);
 }
 
-static int profiled(int result, const struct lx_error *error, char *detail)
+static int answer_profile(int result, const struct lx_error *error, char *detail)
 {
     if (result >= 0) {
         return result == 0 ? 0 : DG_RIG_READS;
@@ -233,33 +233,34 @@ static int profile(struct dg_rig *control, struct dg_rig_shaft *shaft, dg_ns now
 {
     struct lx_error error;
     if (shaft->shaft.driver != NULL) {
-        return refuse(DG_SCPI_CONFLICT, detail, "geared; its driver turns it");
+        return refuse_command(DG_SCPI_CONFLICT, detail, "geared; its driver turns it");
     }
-    struct lx_rig_shaft *self = shaft_of(control, shaft);
+    struct lx_rig_shaft *self = rig_shaft_of(control, shaft);
     if (self->reading != NULL) {
-        return refuse(DG_SCPI_CONFLICT, detail, "another client's file is being read for it");
+        return refuse_command(DG_SCPI_CONFLICT, detail,
+                              "another client's file is being read for it");
     }
     const struct lx_folder *folder = lx_rig_of(control)->folder;
     const int result = dg_motion_is_file(text) ? begin_reading(self, text, folder, &error)
                                                : play_words(self, now, text, &error);
-    return profiled(result, &error, detail);
+    return answer_profile(result, &error, detail);
 }
 
 static int profile_more(struct dg_rig *control, struct dg_rig_shaft *shaft, dg_ns now, bool gone,
                         char *detail)
 {
-    struct lx_rig_shaft *self = shaft_of(control, shaft);
+    struct lx_rig_shaft *self = rig_shaft_of(control, shaft);
     struct lx_error error;
     if (gone) {
         lx_rig_read_none(self);
         return 0;
     }
-    return profiled(read_on(self, now, &error), &error, detail);
+    return answer_profile(continue_reading(self, now, &error), &error, detail);
 }
 
 static const char *profile_text(struct dg_rig *control, const struct dg_rig_shaft *shaft)
 {
-    const struct lx_rig_shaft *self = shaft_of(control, shaft);
+    const struct lx_rig_shaft *self = rig_shaft_of(control, shaft);
     if (shaft->shaft.driver != NULL) {
         return "geared";
     }
@@ -275,7 +276,7 @@ static int record(struct dg_rig *control, struct dg_rig_shaft *shaft, dg_ns now,
                   dg_ns interval, char *detail)
 {
     struct lx_rig *self = lx_rig_of(control);
-    struct lx_rig_shaft *part = shaft_of(control, shaft);
+    struct lx_rig_shaft *part = rig_shaft_of(control, shaft);
     struct lx_error error;
     if (path == NULL) {
         const int result = lx_record_close(part->record, now, &error);
@@ -284,7 +285,8 @@ static int record(struct dg_rig *control, struct dg_rig_shaft *shaft, dg_ns now,
         return result == 0 ? 0 : lx_rig_refuse(DG_SCPI_STORAGE, &error, detail);
     }
     if (part->record != NULL) {
-        return refuse(DG_SCPI_CONFLICT, detail, "recorded already; SHAFt:RECord:STOP first");
+        return refuse_command(DG_SCPI_CONFLICT, detail,
+                              "recorded already; SHAFt:RECord:STOP first");
     }
     const struct lx_record_setup setup = {
         .path = path,
@@ -334,7 +336,7 @@ static int trace(struct dg_rig *control, struct dg_encoder *encoder, const char 
         return result == 0 ? 0 : lx_rig_refuse(DG_SCPI_STORAGE, &error, detail);
     }
     if (self->trace != NULL) {
-        return refuse(DG_SCPI_CONFLICT, detail, "traced already; TRACe:STOP first");
+        return refuse_command(DG_SCPI_CONFLICT, detail, "traced already; TRACe:STOP first");
     }
     if (lx_rig_trace(self, path, &error) != 0) {
         return lx_rig_refuse(DG_SCPI_FILE_ERROR, &error, detail);
@@ -380,8 +382,8 @@ static int set_scale(struct dg_rig *control, uint32_t permille, char *detail)
 {
     struct lx_rig *self = lx_rig_of(control);
     if (!simulated(self)) {
-        return refuse(DG_SCPI_CONFLICT, detail,
-                      "a wire of this rig runs in real time; only sim wires need not");
+        return refuse_command(DG_SCPI_CONFLICT, detail,
+                              "a wire of this rig runs in real time; only sim wires need not");
     }
     const dg_ns now = lx_clock_now(&self->clock);
     self->clock = (struct lx_clock){.real = lx_now(), .virtual_ = now, .permille = permille};
@@ -401,7 +403,7 @@ static int step(struct dg_rig *control, dg_ns span, char *detail)
     struct lx_rig *self = lx_rig_of(control);
     struct lx_clock *clock = &self->clock;
     if (!simulated(self) || clock->permille != 0) {
-        return refuse(DG_SCPI_CONFLICT, detail, "time is not stopped; TIME:SCALe 0 first");
+        return refuse_command(DG_SCPI_CONFLICT, detail, "time is not stopped; TIME:SCALe 0 first");
     }
     const dg_ns end = dg_after(clock->virtual_, span);
     while (clock->virtual_ < end) {

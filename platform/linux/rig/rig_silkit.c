@@ -35,7 +35,7 @@ struct lx_rig_topics {
     dg_ns look;                         /* it goes on as said until then */
 };
 
-static int64_t load(const uint8_t *from)
+static int64_t load_number(const uint8_t *from)
 {
     return (int64_t)((uint64_t)dg_load_le32(from) | (uint64_t)dg_load_le32(from + 4) << 32u);
 }
@@ -55,8 +55,9 @@ static void receive(void *ctx, dg_ns now, const struct lx_silkit_message *messag
     const uint8_t *bytes = lx_silkit_bytes(message);
     struct dg_rig *control = self->rig->control;
     struct dg_rig_shaft *shaft = self->shaft->control;
-    const struct dg_motion motion = {
-        .kind = DG_MOTION_SPEED, .from = load(bytes), .mrpm = mrpm_of(load(bytes + 8))};
+    const struct dg_motion motion = {.kind = DG_MOTION_SPEED,
+                                     .from = load_number(bytes),
+                                     .mrpm = mrpm_of(load_number(bytes + 8))};
     (void)last;
     lx_rig_read_none(self->shaft);
     lx_rig_ops.turns(control, shaft, now);

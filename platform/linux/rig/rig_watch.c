@@ -32,7 +32,7 @@ static void on_line(void *ctx, const struct dg_words_line *words)
     }
 }
 
-static void look(struct lx_rig_wire *self, dg_ns now)
+static void refresh_wire(struct lx_rig_wire *self, dg_ns now)
 {
     const dg_ns next = dg_words_step(&self->words, now);
     lx_timer_at(&self->silence, lx_clock_real(&self->rig->clock, next));
@@ -42,14 +42,14 @@ static void on_event(void *ctx, const struct dg_tap_event *event)
 {
     struct lx_rig_wire *self = ctx;
     dg_words_event(&self->words, event);
-    look(self, event->at);
+    refresh_wire(self, event->at);
 }
 
 static void on_silence(void *ctx, dg_ns now)
 {
     struct lx_rig_wire *self = ctx;
     (void)now;
-    look(self, lx_clock_now(&self->rig->clock));
+    refresh_wire(self, lx_clock_now(&self->rig->clock));
 }
 
 /* @return whether there was memory */

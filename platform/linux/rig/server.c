@@ -2,8 +2,8 @@
 /*
  * The core says what is next, this file makes it happen:
  *
- *   client -- on_event --> input -- feed() --> dg_control_rx() --> keep() --> output --> client
- *   timer  -- on_time ---> dg_control_step(), then what waited in `input`
+ *   client -- on_event -> input -- feed_session() -> dg_control_rx() -> keep() -> output -> client
+ *   timer  -- on_time --> dg_control_step(), then what waited in `input`
  *
  * A session that waits (*WAI, *OPC?) takes no bytes; they stay in `input`, and the client is not
  * read from until there is room again. So it is behind a line that has written to an EEPROM file,
@@ -68,7 +68,7 @@ struct lx_server {
 
 /* --- output --- */
 
-static bool make_room(struct client *client, size_t n)
+static bool make_output_room(struct client *client, size_t n)
 {
     const size_t names = NAME_MAX_BYTES * client->server->setup.rig->encoder_count;
     const size_t wanted = client->output_length + n;
@@ -88,7 +88,7 @@ static bool make_room(struct client *client, size_t n)
 static void keep(void *ctx, const char *bytes, size_t n)
 {
     struct client *client = ctx;
-    if (client->broken || !make_room(client, n)) {
+    if (client->broken || !make_output_room(client, n)) {
         client->broken = true;
         return;
     }
@@ -96,7 +96,7 @@ static void keep(void *ctx, const char *bytes, size_t n)
     client->output_length += n;
 }
 
-static void send_output(struct client *client)
+static void send_client_output(struct client *client)
 {
     while (client->output_length > 0 && !client->broken && client->written == 0) {
         const ssize_t n =
@@ -150,7 +150,7 @@ static void look_what_is_written(struct client *client, uint64_t before)
 
 /* --- clients --- */
 
-static void drop(struct client *client)
+static void drop_session(struct client *client)
 {
     if (client->fd >= 0) {
         dg_scpi_leave(&client->control.session);
@@ -197,7 +197,7 @@ static size_t take_guarded(struct client *client, dg_ns now, const char *line, s
     return n;
 }
 
-static size_t take_line(struct client *client, dg_ns now, const char *line, size_t n)
+static size_t take_client_line(struct client *client, dg_ns now, const char *line, size_t n)
 {
     const uint64_t before = lx_nvm_writer_ticket(client->server->setup.writer);
     const size_t taken = take_guarded(client, now, line, n);
@@ -206,7 +206,7 @@ static size_t take_line(struct client *client, dg_ns now, const char *line, size
 }
 
 /* What the session has waited for may be over. @return when to call again */
-static dg_ns go_on(struct client *client, dg_ns now)
+static dg_ns continue_session(struct client *client, dg_ns now)
 {
     const uint64_t before = lx_nvm_writer_ticket(client->server->setup.writer);
     const dg_ns next = dg_control_step(&client->control, now);
@@ -215,13 +215,13 @@ static dg_ns go_on(struct client *client, dg_ns now)
 }
 
 /* What the client has sent, as far as its session takes it, and it takes the answers. */
-static void feed(struct client *client, dg_ns now)
+static void feed_session(struct client *client, dg_ns now)
 {
     size_t taken = 0;
     size_t n = line_length(client, 0);
     while (n > 0 && !client->broken && !client->control.session.executing && client->written == 0 &&
            client->output_length < OUTPUT_FULL) {
-        taken += take_line(client, now, client->input + taken, n);
+        taken += take_client_line(client, now, client->input + taken, n);
         n = line_length(client, taken);
     }
     client->input_length -= taken;
@@ -229,13 +229,13 @@ static void feed(struct client *client, dg_ns now)
 }
 
 /* Read while there is room for it; write while there is something to write. */
-static void watch(struct client *client)
+static void watch_client(struct client *client)
 {
     const bool done = client->ended && client->input_length == 0 && client->output_length == 0 &&
                       !client->control.session.waiting && !client->control.session.executing &&
                       client->written == 0;
     if (client->broken || done) {
-        drop(client);
+        drop_session(client);
         return;
     }
     uint32_t events = client->output_length > 0 && client->written == 0 ? EPOLLOUT : 0u;
@@ -246,7 +246,7 @@ static void watch(struct client *client)
 }
 
 /* All that the client has sent and that can be done now. @return when there is more to do */
-static dg_ns serve(struct client *client)
+static dg_ns serve_session(struct client *client)
 {
     const struct lx_clock *clock = client->server->setup.clock;
     bool more = true;
@@ -256,12 +256,12 @@ static dg_ns serve(struct client *client)
         const dg_ns now = lx_clock_now(clock); /* the client before may have let time pass */
         const size_t before = client->input_length;
         await_writer(client);
-        send_output(client);
-        (void)go_on(client, now);
-        feed(client, now);
+        send_client_output(client);
+        (void)continue_session(client, now);
+        feed_session(client, now);
         const bool held = client->control.session.executing;
-        next = go_on(client, now);
-        send_output(client);
+        next = continue_session(client, now);
+        send_client_output(client);
         /* A command that has just ended has held back what stands behind it. */
         more = client->input_length < before || (held && !client->control.session.executing);
     } while (!client->broken && client->input_length > 0 && more);
@@ -270,16 +270,16 @@ static dg_ns serve(struct client *client)
 
 /* What one client did may be what another one waits for, which has had its turn: another round
    then. */
-static void settle(struct lx_server *self)
+static void settle_clients(struct lx_server *self)
 {
     dg_ns next = DG_NEVER;
     self->woken = false;
     for (size_t i = 0; i < LX_SERVER_CLIENTS_MAX; i++) {
         struct client *client = &self->clients[i];
         if (client->fd >= 0) {
-            next = dg_earliest(next, serve(client));
+            next = dg_earliest(next, serve_session(client));
             self->woken = self->woken || client->control.session.poll != NULL;
-            watch(client);
+            watch_client(client);
         }
     }
     lx_timer_at(&self->timer, self->woken ? lx_now() : lx_clock_real(self->setup.clock, next));
@@ -289,7 +289,7 @@ static void settle(struct lx_server *self)
 static void on_time(void *ctx, dg_ns now)
 {
     (void)now;
-    settle(ctx);
+    settle_clients(ctx);
 }
 
 static int on_event(sd_event_source *source, int fd, uint32_t events, void *ctx)
@@ -306,7 +306,7 @@ static int on_event(sd_event_source *source, int fd, uint32_t events, void *ctx)
     } else if ((events & (EPOLLHUP | EPOLLERR)) != 0 && client->control.session.poll == NULL) {
         client->broken = true; /* what it has begun is not over before */
     }
-    settle(client->server);
+    settle_clients(client->server);
     return 0;
 }
 
@@ -328,7 +328,7 @@ static bool goes_before(const struct client *a, const struct client *b)
 }
 
 /* A free place, or that of the client which has been silent for the longest time. */
-static struct client *place(struct lx_server *self)
+static struct client *find_session_place(struct lx_server *self)
 {
     struct client *last = &self->clients[0];
     for (size_t i = 0; i < LX_SERVER_CLIENTS_MAX; i++) {
@@ -338,7 +338,7 @@ static struct client *place(struct lx_server *self)
         }
         last = goes_before(client, last) ? client : last;
     }
-    drop(last);
+    drop_session(last);
     return last;
 }
 
@@ -351,7 +351,7 @@ static int on_connection(sd_event_source *source, int fd, uint32_t events, void 
     if (socket < 0) {
         return 0; /* it has gone again, or there is no descriptor for it */
     }
-    struct client *client = place(self);
+    struct client *client = find_session_place(self);
     *client = (struct client){.server = self, .fd = socket, .heard = lx_now()};
     client->guard =
         (struct lx_guard){.tcp = self->tcp, .token = self->token[0] == '\0' ? NULL : self->token};
@@ -360,7 +360,7 @@ static int on_connection(sd_event_source *source, int fd, uint32_t events, void 
     }
     dg_control_init(&client->control, self->setup.rig, keep, client);
     if (sd_event_add_io(self->setup.event, &client->io, socket, EPOLLIN, on_event, client) < 0) {
-        drop(client);
+        drop_session(client);
     }
     return 0;
 }
@@ -481,7 +481,7 @@ void lx_server_close(struct lx_server *self)
         return;
     }
     for (size_t i = 0; i < LX_SERVER_CLIENTS_MAX; i++) {
-        drop(&self->clients[i]);
+        drop_session(&self->clients[i]);
     }
     self->io = sd_event_source_disable_unref(self->io);
     lx_timer_close(&self->timer);

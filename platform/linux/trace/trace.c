@@ -21,8 +21,8 @@ static bool ends_in(const char *path, const char *ending)
     return n > end && strcmp(path + n - end, ending) == 0 && path[n - end - 1] != '/';
 }
 
-static const struct lx_trace_format *find(const char *path, const struct lx_trace_kind *kind,
-                                          struct lx_error *error)
+static const struct lx_trace_format *find_format(const char *path, const struct lx_trace_kind *kind,
+                                                 struct lx_error *error)
 {
     struct lx_words right = {""};
     if (kind->formats[0] == NULL) {
@@ -45,7 +45,7 @@ static const struct lx_trace_format *find(const char *path, const struct lx_trac
 
 int lx_trace_fits(const char *path, const struct lx_trace_kind *kind, struct lx_error *error)
 {
-    return find(path, kind, error) == NULL ? -1 : 0;
+    return find_format(path, kind, error) == NULL ? -1 : 0;
 }
 
 /* The name of an interface, or the last part of a path, fit for every format. */
@@ -61,7 +61,7 @@ static void set_wire(struct lx_trace *self, const char *wire)
 }
 
 /* After something was written: whether all is well. */
-static bool check(struct lx_trace *self)
+static bool check_stream(struct lx_trace *self)
 {
     if (self->good && ferror(self->file) != 0) {
         self->reason = errno;
@@ -71,10 +71,10 @@ static bool check(struct lx_trace *self)
     return self->good;
 }
 
-static void flush(struct lx_trace *self)
+static void flush_trace(struct lx_trace *self)
 {
     (void)fflush(self->file);
-    (void)check(self);
+    (void)check_stream(self);
 }
 
 static void on_event(void *ctx, const struct dg_tap_event *event)
@@ -84,16 +84,16 @@ static void on_event(void *ctx, const struct dg_tap_event *event)
         return;
     }
     self->format->event(self, event);
-    if (check(self) && dg_elapsed(event->at, self->flushed) >= FLUSH_NS) {
+    if (check_stream(self) && dg_elapsed(event->at, self->flushed) >= FLUSH_NS) {
         self->flushed = event->at;
-        flush(self);
+        flush_trace(self);
     }
     if (!self->good) {
         lx_complain("%s: %s; the trace ends here", self->path, strerror(self->reason));
     }
 }
 
-static void discard(struct lx_trace *self)
+static void discard_trace(struct lx_trace *self)
 {
     if (self->file != NULL) {
         (void)fclose(self->file);
@@ -104,7 +104,8 @@ static void discard(struct lx_trace *self)
     free(self);
 }
 
-static int begin(struct lx_trace *self, const struct lx_trace_setup *setup, struct lx_error *error)
+static int begin_format(struct lx_trace *self, const struct lx_trace_setup *setup,
+                        struct lx_error *error)
 {
     const char *path = setup->path;
     const struct lx_file_wanted wanted = {
@@ -126,7 +127,7 @@ static int begin(struct lx_trace *self, const struct lx_trace_setup *setup, stru
     if (self->format->begin != NULL) {
         self->format->begin(self);
     }
-    flush(self);
+    flush_trace(self);
     return self->good
                ? 0
                : lx_fail(error, "cannot write the trace '%s': %s", path, strerror(self->reason));
@@ -135,7 +136,7 @@ static int begin(struct lx_trace *self, const struct lx_trace_setup *setup, stru
 struct lx_trace *lx_trace_open(const struct lx_trace_setup *setup, dg_ns now,
                                struct lx_error *error)
 {
-    const struct lx_trace_format *format = find(setup->path, setup->kind, error);
+    const struct lx_trace_format *format = find_format(setup->path, setup->kind, error);
     if (format == NULL) {
         return NULL;
     }
@@ -152,8 +153,8 @@ struct lx_trace *lx_trace_open(const struct lx_trace_setup *setup, dg_ns now,
     self->flushed = now;
     self->day_ns = lx_time_of_day() - now;
     set_wire(self, setup->wire);
-    if (begin(self, setup, error) != 0) {
-        discard(self);
+    if (begin_format(self, setup, error) != 0) {
+        discard_trace(self);
         return NULL;
     }
     lx_tap_add(self->tap, &self->listener);
@@ -165,7 +166,7 @@ int lx_trace_release(struct lx_trace *self, struct lx_error *error)
     if (self == NULL || self->held == NULL) {
         return 0;
     }
-    flush(self);
+    flush_trace(self);
     const int reason = lx_file_release(self->held);
     self->held = NULL;
     return reason == 0
@@ -184,7 +185,7 @@ int lx_trace_close(struct lx_trace *self, struct lx_error *error)
         if (self->format->end != NULL) {
             self->format->end(self);
         }
-        flush(self);
+        flush_trace(self);
     }
     if (fclose(self->file) != 0 && self->good) {
         self->reason = errno;
@@ -195,6 +196,6 @@ int lx_trace_close(struct lx_trace *self, struct lx_error *error)
         result =
             lx_fail(error, "the trace '%s' is not whole: %s", self->path, strerror(self->reason));
     }
-    discard(self);
+    discard_trace(self);
     return result;
 }

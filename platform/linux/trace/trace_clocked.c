@@ -25,7 +25,7 @@ void lx_trace_clocked_begin(struct lx_trace *self)
 }
 
 /* All levels and texts up to `at`. */
-static void release(struct lx_trace_clocked *self, dg_ns at)
+static void release_edge(struct lx_trace_clocked *self, dg_ns at)
 {
     while (self->count > 0 && self->held[self->first].at <= at) {
         const struct lx_trace_held *oldest = &self->held[self->first];
@@ -36,10 +36,10 @@ static void release(struct lx_trace_clocked *self, dg_ns at)
     lx_vcd_advance(&self->vcd, at);
 }
 
-static void hold(struct lx_trace_clocked *self, dg_ns at, char id, bool level)
+static void hold_edge(struct lx_trace_clocked *self, dg_ns at, char id, bool level)
 {
     if (self->count == LX_TRACE_HELD) {
-        release(self, self->held[self->first].at);
+        release_edge(self, self->held[self->first].at);
     }
     self->held[(self->first + self->count) % LX_TRACE_HELD] = (struct lx_trace_held){at, id, level};
     self->count++;
@@ -48,7 +48,7 @@ static void hold(struct lx_trace_clocked *self, dg_ns at, char id, bool level)
 static void on_note(struct lx_trace_clocked *self, dg_ns at, const char *note)
 {
     if (self->vcd.count == LX_VCD_TEXTS) {
-        release(self, self->vcd.texts[0].at);
+        release_edge(self, self->vcd.texts[0].at);
     }
     lx_vcd_text(&self->vcd, at, note);
 }
@@ -68,10 +68,10 @@ static void on_levels(struct lx_trace_clocked *self, dg_ns at, bool clock, bool 
 {
     begin_at(self, data);
     if (clock != self->clock) {
-        hold(self, at, CLOCK_ID, clock);
+        hold_edge(self, at, CLOCK_ID, clock);
     }
     if (data != self->data) {
-        hold(self, at, DATA_ID, data);
+        hold_edge(self, at, DATA_ID, data);
     }
     self->clock = clock;
     self->data = data;
@@ -81,7 +81,7 @@ void lx_trace_clocked_event(struct lx_trace *self, const struct dg_tap_event *ev
 {
     struct lx_trace_clocked *clocked = self->own;
     const dg_ns at = dg_elapsed(event->at, self->opened);
-    release(clocked, dg_elapsed(at, HELD_MAX));
+    release_edge(clocked, dg_elapsed(at, HELD_MAX));
     if (event->kind == DG_TAP_NOTE) {
         on_note(clocked, at, event->note);
     } else if (event->kind == DG_TAP_LEVELS) {
@@ -92,6 +92,6 @@ void lx_trace_clocked_event(struct lx_trace *self, const struct dg_tap_event *ev
 void lx_trace_clocked_end(struct lx_trace *self)
 {
     struct lx_trace_clocked *clocked = self->own;
-    release(clocked, DG_NEVER);
+    release_edge(clocked, DG_NEVER);
     lx_vcd_end(&clocked->vcd);
 }

@@ -41,7 +41,7 @@ static void put_words(const struct csv *csv, const uint16_t *words, FILE *file)
     }
 }
 
-static void put_row(const struct csv *csv, dg_ns at, FILE *file)
+static void put_csv_row(const struct csv *csv, dg_ns at, FILE *file)
 {
     (void)fprintf(file, "%" PRIu64 ".%09" PRIu64, at / NS_PER_S, at % NS_PER_S);
     put_words(csv, csv->in, file);
@@ -50,7 +50,7 @@ static void put_row(const struct csv *csv, dg_ns at, FILE *file)
 }
 
 /* @return whether it differs from what was there */
-static bool take_words(uint16_t *to, const uint16_t *words, size_t n)
+static bool take_changed_words(uint16_t *to, const uint16_t *words, size_t n)
 {
     const bool differs = memcmp(to, words, n * sizeof *to) != 0;
     memcpy(to, words, n * sizeof *to);
@@ -72,12 +72,12 @@ static void csv_event(struct lx_trace *self, const struct dg_tap_event *event)
         put_header(csv, self->file);
     }
     const size_t n = count < csv->count ? count : csv->count;
-    changed |= take_words(csv->in, event->words.in, n);
-    changed |= take_words(csv->out, event->words.out, n);
+    changed |= take_changed_words(csv->in, event->words.in, n);
+    changed |= take_changed_words(csv->out, event->words.out, n);
     changed |= csv->valid != event->words.valid;
     csv->valid = event->words.valid;
     if (changed) {
-        put_row(csv, dg_elapsed(event->at, self->opened), self->file);
+        put_csv_row(csv, dg_elapsed(event->at, self->opened), self->file);
     }
 }
 

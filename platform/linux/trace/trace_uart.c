@@ -80,7 +80,7 @@ static dg_ns duration(const struct character *character)
 }
 
 /* All samples and texts up to `at`. */
-static void advance(struct uart *self, dg_ns at)
+static void advance_line(struct uart *self, dg_ns at)
 {
     while (self->sample_count > 0 && self->samples[self->first_sample].at <= at) {
         const struct sample *sample = &self->samples[self->first_sample];
@@ -94,13 +94,13 @@ static void advance(struct uart *self, dg_ns at)
 static void draw_level(struct uart *self, enum side side, dg_ns at, bool level)
 {
     if (level != self->levels[side]) {
-        advance(self, at);
+        advance_line(self, at);
         lx_vcd_level(&self->vcd, at, side_ids[side], level);
         self->levels[side] = level;
     }
 }
 
-static bool parity_of(uint8_t byte)
+static bool even_parity_of(uint8_t byte)
 {
     bool odd = false;
     for (; byte != 0; byte &= (uint8_t)(byte - 1u)) {
@@ -110,7 +110,7 @@ static bool parity_of(uint8_t byte)
 }
 
 /* Damage is where a receiver finds it: in the parity, or in the stop bit. */
-static void draw(struct uart *self, const struct character *character, dg_ns start)
+static void draw_character(struct uart *self, const struct character *character, dg_ns start)
 {
     const uint32_t baud = character->baud;
     const enum side side = character->side;
@@ -122,7 +122,8 @@ static void draw(struct uart *self, const struct character *character, dg_ns sta
     dg_ns stop = start + dg_bit_times_ns(1u + DATA_BITS, baud);
     if (character->parity != 'N') {
         const bool odd = character->parity == 'O';
-        draw_level(self, side, stop, parity_of(character->byte) != (odd != character->damaged));
+        draw_level(self, side, stop,
+                   even_parity_of(character->byte) != (odd != character->damaged));
         stop = start + dg_bit_times_ns(2u + DATA_BITS, baud);
     } else if (character->damaged) {
         draw_level(self, side, stop, false);
@@ -132,7 +133,7 @@ static void draw(struct uart *self, const struct character *character, dg_ns sta
 }
 
 /* Ends that are possible on a line, from the last one back. */
-static void spread(struct uart *self)
+static void spread_ends(struct uart *self)
 {
     for (size_t i = self->count; i > 1; i--) {
         const struct character *next = &self->frame[i - 1];
@@ -152,7 +153,7 @@ static dg_ns start_of(const struct uart *self, const struct character *character
 /* What was collected, under its text; NULL: it has none. */
 static void draw_frame(struct uart *self, const char *text)
 {
-    spread(self);
+    spread_ends(self);
     if (self->count > 0 && text != NULL) {
         lx_vcd_text(&self->vcd, start_of(self, &self->frame[0]), text);
     }
@@ -160,19 +161,19 @@ static void draw_frame(struct uart *self, const char *text)
         const struct character *character = &self->frame[i];
         const dg_ns start = start_of(self, character);
         if (dg_elapsed(start, character->end) < BEHIND_MAX) {
-            draw(self, character, start);
+            draw_character(self, character, start);
             self->free = start + duration(character);
         }
     }
     if (text != NULL) {
         lx_vcd_text(&self->vcd, self->free, "");
     }
-    advance(self, self->free);
+    advance_line(self, self->free);
     self->count = 0;
 }
 
 /* One more; `latest` is in a frame then. */
-static void collect(struct uart *self)
+static void collect_frame(struct uart *self)
 {
     if (self->apart && self->count == FRAME_MAX) {
         draw_frame(self, "too long");
@@ -187,13 +188,13 @@ static void on_line(void *ctx, const struct dg_words_line *line)
 {
     struct uart *self = ctx;
     if (line->whole) {
-        collect(self);
+        collect_frame(self);
     }
     draw_frame(self, line->text);
 }
 
 /* 1 us up to 50 kBd, a power of ten. */
-static dg_ns step_of(const struct lx_tap *tap)
+static dg_ns time_step_of(const struct lx_tap *tap)
 {
     dg_ns step = STEP_MAX;
     while (tap->baud > 0 && step > STEP_MIN && dg_bit_times_ns(1, tap->baud) < BIT_STEPS * step) {
@@ -204,7 +205,8 @@ static dg_ns step_of(const struct lx_tap *tap)
 
 static void uart_begin(struct lx_trace *self)
 {
-    const struct lx_vcd_head head = {"rs485", step_of(self->tap), side_ids, {"request", "reply"}};
+    const struct lx_vcd_head head = {
+        "rs485", time_step_of(self->tap), side_ids, {"request", "reply"}};
     struct uart *uart = self->own;
     for (size_t i = 0; i < SIDE_COUNT; i++) {
         uart->levels[i] = true;
@@ -228,7 +230,7 @@ static void on_character(struct uart *self, const struct dg_tap_event *event, dg
     };
     self->apart = true;
     dg_words_event(&self->words, event);
-    collect(self);
+    collect_frame(self);
     if (self->words.words == NULL) { /* then nobody says where a frame ends */
         draw_frame(self, NULL);
     }
@@ -250,7 +252,7 @@ static void uart_event(struct lx_trace *self, const struct dg_tap_event *event)
     const dg_ns at = dg_elapsed(event->at, self->opened);
     (void)dg_words_step(&uart->words, event->at);
     if (uart->count == 0) {
-        advance(uart, dg_elapsed(at, CHARACTER_MAX));
+        advance_line(uart, dg_elapsed(at, CHARACTER_MAX));
     }
     if (event->kind == DG_TAP_CHARACTER) {
         on_character(uart, event, at);
@@ -265,7 +267,7 @@ static void uart_end(struct lx_trace *self)
 {
     struct uart *uart = self->own;
     (void)dg_words_step(&uart->words, DG_NEVER);
-    advance(uart, DG_NEVER);
+    advance_line(uart, DG_NEVER);
     lx_vcd_end(&uart->vcd);
 }
 

@@ -23,7 +23,7 @@ static void put_time(struct lx_vcd *self, dg_ns at)
     self->at = at > self->at ? at : self->at;
 }
 
-static void put_text(const struct lx_vcd *self, const char *text)
+static void put_vcd_text(const struct lx_vcd *self, const char *text)
 {
     (void)fputc('s', self->file);
     for (; *text != '\0'; text++) {
@@ -75,7 +75,7 @@ void lx_vcd_begin(struct lx_vcd *self, const struct lx_trace *trace, const struc
     for (size_t i = 0; ids[i] != '\0'; i++) {
         (void)fprintf(self->file, "1%c\n", ids[i]);
     }
-    put_text(self, "");
+    put_vcd_text(self, "");
     (void)fputs("$end\n", self->file);
 }
 
@@ -84,7 +84,7 @@ void lx_vcd_advance(struct lx_vcd *self, dg_ns at)
     size_t done = 0;
     for (; done < self->count && self->texts[done].at <= at; done++) {
         put_time(self, self->texts[done].at);
-        put_text(self, self->texts[done].text);
+        put_vcd_text(self, self->texts[done].text);
     }
     self->count -= done;
     memmove(self->texts, self->texts + done, self->count * sizeof self->texts[0]);

@@ -47,7 +47,7 @@ static uint32_t baud_of(const struct lx_rfc2217 *client)
     return client->baud == 0 ? LX_BAUD_ANY : client->baud;
 }
 
-static char parity_of(const struct lx_rfc2217 *client)
+static char client_parity_of(const struct lx_rfc2217 *client)
 {
     if (client->data_bits != 0 && client->data_bits != DATA_BITS) {
         return NO_SUCH_PARITY;
@@ -56,11 +56,11 @@ static char parity_of(const struct lx_rfc2217 *client)
 }
 
 /* Another data rate leaves nothing of a character; another format its bits, as far as they go. */
-static size_t print(const struct lx_rfc2217 *client, const struct sound *sound,
-                    uint8_t to[LX_RFC2217_TEXT_MAX])
+static size_t print_character(const struct lx_rfc2217 *client, const struct sound *sound,
+                              uint8_t to[LX_RFC2217_TEXT_MAX])
 {
     const uint32_t baud = baud_of(client);
-    const char parity = parity_of(client);
+    const char parity = client_parity_of(client);
     const uint8_t bits = client->data_bits == 0 ? DATA_BITS : client->data_bits;
     if (baud != LX_BAUD_ANY && sound->baud != LX_BAUD_ANY && baud != sound->baud) {
         return lx_rfc2217_print(client, 0, LX_RFC2217_FRAMING | sound->line, to);
@@ -70,14 +70,14 @@ static size_t print(const struct lx_rfc2217 *client, const struct sound *sound,
                             sound->line | (fits ? 0 : LX_RFC2217_PARITY), to);
 }
 
-static bool tell(const struct net_port *self, struct lx_peer *peer, const struct sound *sound)
+static bool tell_peer(const struct net_port *self, struct lx_peer *peer, const struct sound *sound)
 {
     const struct lx_rfc2217 *client = (const void *)peer->own;
     uint8_t text[LX_RFC2217_TEXT_MAX];
     if (!self->telnet) {
         return lx_peer_put(peer, &sound->byte, 1);
     }
-    return lx_peer_put(peer, text, print(client, sound, text));
+    return lx_peer_put(peer, text, print_character(client, sound, text));
 }
 
 /* @return how many have heard it */
@@ -87,7 +87,7 @@ static size_t tell_all(struct net_port *self, const struct lx_peer *from, const 
     for (size_t i = 0; i < LX_PEERS_MAX; i++) {
         struct lx_peer *peer = self->peers.peer[i];
         if (peer != NULL && peer != from) {
-            const bool heard = tell(self, peer, sound);
+            const bool heard = tell_peer(self, peer, sound);
             self->serial.counters.lost += heard ? 0u : 1u;
             count++;
         }
@@ -109,8 +109,8 @@ static size_t send(struct lx_serial *serial, const uint8_t *bytes, size_t n)
 
 /* --- clients speak --- */
 
-static void take(struct net_port *self, const struct lx_peer *from, dg_ns now,
-                 const struct lx_character *character)
+static void take_serial_character(struct net_port *self, const struct lx_peer *from, dg_ns now,
+                                  const struct lx_character *character)
 {
     struct lx_serial *serial = &self->serial;
     const uint8_t line = character->damaged ? LX_RFC2217_FRAMING | LX_RFC2217_BREAK_SEEN : 0;
@@ -134,12 +134,12 @@ static void on_byte(void *ctx, struct lx_peer *peer, dg_ns now, uint8_t byte, si
         lx_peer_answer(peer, event.answer, event.length);
         peer->held = client->suspended;
         serial->baud = baud_of(client);
-        serial->parity = parity_of(client);
+        serial->parity = client_parity_of(client);
         character.byte = event.what == LX_RFC2217_BREAK ? 0 : event.character;
         character.damaged = event.what == LX_RFC2217_BREAK;
     }
     if (event.what != LX_RFC2217_NOTHING) {
-        take(self, peer, now, &character);
+        take_serial_character(self, peer, now, &character);
     }
 }
 

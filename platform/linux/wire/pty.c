@@ -101,7 +101,7 @@ static void shut_pty(struct lx_serial *serial)
    number, its length the process. The pty's number alone says nothing, a link left behind may lead
    to somebody else's. The lock belongs to the open file, not to the process: it outlives that this
    process looks at its own ptys, and is seen by it. */
-static struct flock lock_of(const struct stat *link, pid_t owner)
+static struct flock link_lock_of(const struct stat *link, pid_t owner)
 {
     return (struct flock){
         .l_type = F_WRLCK,
@@ -112,9 +112,9 @@ static struct flock lock_of(const struct stat *link, pid_t owner)
 }
 
 /* The process that is the encoder behind this link to `pty`, or 0. */
-static pid_t owner_of(const char *pty, const struct stat *link)
+static pid_t link_owner_of(const char *pty, const struct stat *link)
 {
-    struct flock lock = lock_of(link, 1);
+    struct flock lock = link_lock_of(link, 1);
     const int fd = open(pty, O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
     if (fd < 0) {
         return 0;
@@ -136,7 +136,7 @@ static int clear_link(const char *link, const struct stat *info, struct lx_error
                          "exists and is not a link to a pty");
     }
     target[n] = '\0';
-    const pid_t owner = to_pty ? owner_of(target, info) : 0;
+    const pid_t owner = to_pty ? link_owner_of(target, info) : 0;
     if (owner != 0) {
         return lx_refuse(error, "give another name", "in use by process %ld", (long)owner);
     }
@@ -156,7 +156,7 @@ static int make_link(struct pty *self, struct lx_error *error)
     }
     self->linked = true;
     if (lstat(link, &info) == 0) {
-        struct flock lock = lock_of(&info, getpid());
+        struct flock lock = link_lock_of(&info, getpid());
         (void)fcntl(self->slave, F_OFD_SETLK, &lock);
     }
     return 0;

@@ -42,7 +42,7 @@ static const uint8_t options[] = {0 /* binary */, 3 /* suppress go ahead */, 44 
 
 /* --- answers --- */
 
-static void put(struct lx_rfc2217_event *event, const uint8_t *bytes, size_t n)
+static void put_answer(struct lx_rfc2217_event *event, const uint8_t *bytes, size_t n)
 {
     if (event->length + n <= sizeof event->answer) {
         memcpy(event->answer + event->length, bytes, n);
@@ -51,7 +51,7 @@ static void put(struct lx_rfc2217_event *event, const uint8_t *bytes, size_t n)
 }
 
 /* A value is data: IAC stands there twice. */
-static size_t escape(uint8_t *to, const uint8_t *bytes, size_t n)
+static size_t escape_bytes(uint8_t *to, const uint8_t *bytes, size_t n)
 {
     size_t length = 0;
     for (size_t i = 0; i < n; i++) {
@@ -68,20 +68,21 @@ static size_t command(uint8_t *to, uint8_t code, const uint8_t *value, size_t n)
     const uint8_t begin[] = {IAC, SB, COM_PORT, (uint8_t)(code + SERVER)};
     const uint8_t end[] = {IAC, SE};
     memcpy(to, begin, sizeof begin);
-    size_t length = sizeof begin + escape(to + sizeof begin, value, n);
+    size_t length = sizeof begin + escape_bytes(to + sizeof begin, value, n);
     memcpy(to + length, end, sizeof end);
     return length + sizeof end;
 }
 
-static void answer(struct lx_rfc2217_event *event, uint8_t code, const uint8_t *value, size_t n)
+static void answer_option(struct lx_rfc2217_event *event, uint8_t code, const uint8_t *value,
+                          size_t n)
 {
     uint8_t text[LX_RFC2217_ANSWER_MAX];
-    put(event, text, command(text, code, value, n));
+    put_answer(event, text, command(text, code, value, n));
 }
 
 static void answer_byte(struct lx_rfc2217_event *event, uint8_t code, uint8_t value)
 {
-    answer(event, code, &value, 1);
+    answer_option(event, code, &value, 1);
 }
 
 /* --- the COM port's commands --- */
@@ -98,7 +99,7 @@ struct call {
 static void tell_name(const struct call *call)
 {
     static const char name[] = "drehgeber";
-    answer(call->event, call->code, (const uint8_t *)name, strlen(name));
+    answer_option(call->event, call->code, (const uint8_t *)name, strlen(name));
 }
 
 static void set_baud(const struct call *call)
@@ -109,11 +110,12 @@ static void set_baud(const struct call *call)
         call->self->baud = baud;
     }
     dg_store_be32(value, call->self->baud == 0 ? call->found->baud : call->self->baud);
-    answer(call->event, call->code, value, sizeof value);
+    answer_option(call->event, call->code, value, sizeof value);
 }
 
 /* One of `first`..`last`; all else asks what is in force, `found` when nothing was said. */
-static void set(const struct call *call, uint8_t *to, uint8_t first, uint8_t last, uint8_t found)
+static void set_figure(const struct call *call, uint8_t *to, uint8_t first, uint8_t last,
+                       uint8_t found)
 {
     if (*call->value >= first && *call->value <= last) {
         *to = *call->value;
@@ -123,13 +125,13 @@ static void set(const struct call *call, uint8_t *to, uint8_t first, uint8_t las
 
 static void set_data_bits(const struct call *call)
 {
-    set(call, &call->self->data_bits, 5, 8, 8);
+    set_figure(call, &call->self->data_bits, 5, 8, 8);
 }
 
 /* By code; the first is no parity at all. */
 static const char parities[] = {'\0', 'N', 'O', 'E', 'M', 'S'};
 
-static uint8_t code_of(char parity)
+static uint8_t parity_code_of(char parity)
 {
     uint8_t code = 0;
     for (uint8_t i = 1; i < DG_COUNT(parities); i++) {
@@ -140,14 +142,14 @@ static uint8_t code_of(char parity)
 
 static void set_parity(const struct call *call)
 {
-    uint8_t code = code_of(call->self->parity);
-    set(call, &code, 1, DG_COUNT(parities) - 1u, code_of(call->found->parity));
+    uint8_t code = parity_code_of(call->self->parity);
+    set_figure(call, &code, 1, DG_COUNT(parities) - 1u, parity_code_of(call->found->parity));
     call->self->parity = parities[code % DG_COUNT(parities)];
 }
 
 static void set_stop_bits(const struct call *call)
 {
-    set(call, &call->self->stop_bits, 1, 3, 1);
+    set_figure(call, &call->self->stop_bits, 1, 3, 1);
 }
 
 /* Nobody has flow control or modem lines here: what is set is remembered, and told who asks. */
@@ -211,8 +213,8 @@ static const struct {
     {1, set_line_mask}, {1, accept},    {1, accept},
 };
 
-static void execute(struct lx_rfc2217 *self, const struct lx_uart *found,
-                    struct lx_rfc2217_event *event)
+static void execute_setting(struct lx_rfc2217 *self, const struct lx_uart *found,
+                            struct lx_rfc2217_event *event)
 {
     if (self->length < 2 || self->length > LX_RFC2217_COMMAND_MAX || self->command[0] != COM_PORT ||
         self->command[1] >= DG_COUNT(commands)) {
@@ -231,7 +233,8 @@ static void execute(struct lx_rfc2217 *self, const struct lx_uart *found,
 /* --- telnet --- */
 
 /* Agree to what is known, once; decline the rest. Who says no is believed. */
-static void negotiate(struct lx_rfc2217 *self, uint8_t option, struct lx_rfc2217_event *event)
+static void negotiate_option(struct lx_rfc2217 *self, uint8_t option,
+                             struct lx_rfc2217_event *event)
 {
     const bool theirs = self->verb == WILL || self->verb == WONT;
     const bool on = self->verb == WILL || self->verb == DO;
@@ -249,13 +252,13 @@ static void negotiate(struct lx_rfc2217 *self, uint8_t option, struct lx_rfc2217
     const uint8_t reply[] = {IAC, on && bit != 0 ? agree[theirs] : decline[theirs], option};
     const bool had_port = ((self->enabled[0] | self->enabled[1]) & COM_PORT_BIT) != 0;
     *enabled = (uint8_t)(on ? *enabled | bit : *enabled & ~bit);
-    put(event, reply, sizeof reply);
+    put_answer(event, reply, sizeof reply);
     if (on && bit == COM_PORT_BIT && !had_port) {
         answer_byte(event, NOTIFY_MODEM, MODEM_READY);
     }
 }
 
-static void collect(struct lx_rfc2217 *self, uint8_t byte)
+static void collect_option(struct lx_rfc2217 *self, uint8_t byte)
 {
     if (self->length < LX_RFC2217_COMMAND_MAX) {
         self->command[self->length] = byte;
@@ -264,7 +267,7 @@ static void collect(struct lx_rfc2217 *self, uint8_t byte)
         (uint8_t)(self->length <= LX_RFC2217_COMMAND_MAX ? self->length + 1u : self->length);
 }
 
-static void on_data(struct lx_rfc2217 *self, uint8_t byte, struct lx_rfc2217_event *event)
+static void on_telnet_data(struct lx_rfc2217 *self, uint8_t byte, struct lx_rfc2217_event *event)
 {
     if (byte == IAC) {
         self->state = LX_RFC2217_COMMAND;
@@ -298,29 +301,29 @@ void lx_rfc2217_feed(struct lx_rfc2217 *self, const struct lx_uart *found, uint8
     event->length = 0;
     switch (self->state) {
     case LX_RFC2217_DATA:
-        on_data(self, byte, event);
+        on_telnet_data(self, byte, event);
         break;
     case LX_RFC2217_COMMAND:
         on_command(self, byte, event);
         break;
     case LX_RFC2217_OPTION:
         self->state = LX_RFC2217_DATA;
-        negotiate(self, byte, event);
+        negotiate_option(self, byte, event);
         break;
     case LX_RFC2217_SUB:
         if (byte == IAC) {
             self->state = LX_RFC2217_SUB_COMMAND;
         } else {
-            collect(self, byte);
+            collect_option(self, byte);
         }
         break;
     case LX_RFC2217_SUB_COMMAND: /* any other command ends it without effect */
         if (byte == IAC) {
             self->state = LX_RFC2217_SUB;
-            collect(self, byte);
+            collect_option(self, byte);
         } else if (byte == SE) {
             self->state = LX_RFC2217_DATA;
-            execute(self, found, event);
+            execute_setting(self, found, event);
         } else {
             on_command(self, byte, event);
         }
@@ -333,5 +336,5 @@ size_t lx_rfc2217_print(const struct lx_rfc2217 *self, uint8_t character, uint8_
 {
     const uint8_t told = line & self->line_mask;
     const size_t n = told == 0 ? 0 : command(to, NOTIFY_LINE, &told, 1);
-    return n + escape(to + n, &character, 1);
+    return n + escape_bytes(to + n, &character, 1);
 }

@@ -81,7 +81,7 @@ void lx_serial_put(struct lx_serial *self, const uint8_t *bytes, size_t n)
     self->counters.lost += n - lx_serial_send(self, bytes, n);
 }
 
-static void shut(struct lx_serial *self)
+static void shut_port(struct lx_serial *self)
 {
     if (self->ops->shut != NULL) {
         self->ops->shut(self);
@@ -99,7 +99,7 @@ static void try_again(void *ctx, dg_ns now)
     struct lx_serial *self = ctx;
     struct lx_error ignored;
     if (self->ops->open(self, &ignored) != 0) {
-        shut(self);
+        shut_port(self);
         lx_timer_at(&self->reopen, dg_after(now, REOPEN));
         return;
     }
@@ -111,20 +111,20 @@ static void try_again(void *ctx, dg_ns now)
 }
 
 /* `reason` is an errno, 0 for a hang-up. */
-static void gone(struct lx_serial *self, int reason)
+static void close_gone_port(struct lx_serial *self, int reason)
 {
     const bool lasting = self->ops->lasting == NULL || self->ops->lasting(self);
     lx_complain("%s: gone (%s); %s", self->address, reason == 0 ? "hung up" : strerror(reason),
                 lasting ? self->ops->again
                         : "its name may be given to any other pty, so start again");
-    shut(self);
+    shut_port(self);
     if (lasting) {
         lx_timer_at(&self->reopen, dg_after(lx_now(), REOPEN));
     }
 }
 
 /* Until somebody pauses in the middle: then the rest waits. */
-static void hand_over(struct lx_serial *self, dg_ns now)
+static void hand_over_characters(struct lx_serial *self, dg_ns now)
 {
     while (self->count > 0 && !self->paused) {
         struct lx_character character = {.byte = self->chunk[self->first++]};
@@ -138,7 +138,7 @@ static void hand_over(struct lx_serial *self, dg_ns now)
 void lx_serial_pause(struct lx_serial *self, bool paused)
 {
     self->paused = paused;
-    hand_over(self, lx_now());
+    hand_over_characters(self, lx_now());
     if (self->io != NULL) {
         (void)sd_event_source_set_enabled(self->io, self->paused ? SD_EVENT_OFF : SD_EVENT_ON);
     }
@@ -155,12 +155,12 @@ static int on_readable(sd_event_source *source, int fd, uint32_t events, void *c
         const dg_ns now = lx_now();
         self->first = self->ops->received(self, now, self->chunk, (size_t)n);
         self->count = (size_t)n - self->first;
-        hand_over(self, now);
+        hand_over_characters(self, now);
         return 0;
     }
     const bool nothing_yet = n < 0 && (reason == EAGAIN || reason == EINTR);
     if (!nothing_yet || (events & (EPOLLHUP | EPOLLERR)) != 0) {
-        gone(self, nothing_yet ? 0 : reason);
+        close_gone_port(self, nothing_yet ? 0 : reason);
     }
     return 0;
 }
@@ -175,7 +175,7 @@ void lx_serial_close(struct lx_serial *self)
     if (self == NULL) {
         return;
     }
-    shut(self);
+    shut_port(self);
     lx_timer_close(&self->reopen);
     free(self);
 }

@@ -44,14 +44,14 @@
 
 /* --- on the library's threads --- */
 
-static void put(struct lx_silkit *self, enum lx_silkit_kind kind, uint64_t time)
+static void post_message(struct lx_silkit *self, enum lx_silkit_kind kind, uint64_t time)
 {
     const struct lx_silkit_message message = {.kind = kind, .time = time};
     lx_silkit_inbox_put(&self->inbox, &message, NULL, 0);
 }
 
 /* A controller is to be started here: then nobody can send before all can receive. */
-static void on_ready(void *ctx, struct lx_sk_lifecycle *lifecycle)
+static void on_lifecycle_ready(void *ctx, struct lx_sk_lifecycle *lifecycle)
 {
     struct lx_silkit *self = ctx;
     (void)lifecycle;
@@ -60,33 +60,33 @@ static void on_ready(void *ctx, struct lx_sk_lifecycle *lifecycle)
             (void)self->lib.can_start(self->port[i]->can);
         }
     }
-    put(self, LX_SILKIT_READY, 0);
+    post_message(self, LX_SILKIT_READY, 0);
 }
 
 static void on_stop(void *ctx, struct lx_sk_lifecycle *lifecycle)
 {
     (void)lifecycle;
-    put(ctx, LX_SILKIT_STOPPED, 0);
+    post_message(ctx, LX_SILKIT_STOPPED, 0);
 }
 
 static void on_shutdown(void *ctx, struct lx_sk_lifecycle *lifecycle)
 {
     (void)lifecycle;
-    put(ctx, LX_SILKIT_SHUTDOWN, 0);
+    post_message(ctx, LX_SILKIT_SHUTDOWN, 0);
 }
 
 static void on_abort(void *ctx, struct lx_sk_lifecycle *lifecycle, int16_t before)
 {
     (void)lifecycle;
     (void)before;
-    put(ctx, LX_SILKIT_ABORTED, 0);
+    post_message(ctx, LX_SILKIT_ABORTED, 0);
 }
 
 static void on_step(void *ctx, struct lx_sk_time *clock, uint64_t now, uint64_t duration)
 {
     (void)clock;
     (void)duration;
-    put(ctx, LX_SILKIT_STEP, now);
+    post_message(ctx, LX_SILKIT_STEP, now);
 }
 
 static void on_peer_gone(void *ctx, struct lx_sk_monitor *monitor,
@@ -205,7 +205,7 @@ static void give_up(struct lx_silkit *self, const char *what)
     }
 }
 
-static void end(struct lx_silkit *self, enum lx_silkit_kind kind)
+static void end_simulation(struct lx_silkit *self, enum lx_silkit_kind kind)
 {
     if (self->ended) {
         return;
@@ -268,7 +268,7 @@ static void sort_out(struct lx_silkit *self, const struct lx_silkit_message *mes
     case LX_SILKIT_STOPPED:
     case LX_SILKIT_SHUTDOWN:
         self->stopped = true;
-        end(self, message->kind);
+        end_simulation(self, message->kind);
         break;
     case LX_SILKIT_FRAME:
     case LX_SILKIT_DATA:
@@ -284,7 +284,7 @@ static void sort_out(struct lx_silkit *self, const struct lx_silkit_message *mes
     free(message->bytes);
 }
 
-static void take(struct lx_silkit *self)
+static void take_messages(struct lx_silkit *self)
 {
     const uint64_t lost = lx_silkit_inbox_take(&self->inbox, &self->came);
     if (lost > self->lost) {
@@ -305,7 +305,7 @@ static int on_wake(sd_event_source *source, int fd, uint32_t events, void *ctx)
     (void)source;
     (void)events;
     (void)!read(fd, &count, sizeof count);
-    take(self);
+    take_messages(self);
     while (self->clock == NULL && self->pending.first < self->pending.count) {
         lx_silkit_deliver(self, &self->pending, lx_now(), UINT64_MAX);
     }
@@ -316,7 +316,7 @@ static int on_wake(sd_event_source *source, int fd, uint32_t events, void *ctx)
 }
 
 /* Of somebody whose clock is not ours: there is no moment for it but now. */
-static bool is_foreign(const struct lx_silkit *self, const struct lx_silkit_message *message)
+static bool is_message_ahead(const struct lx_silkit *self, const struct lx_silkit_message *message)
 {
     return message->time > self->at;
 }
@@ -328,7 +328,7 @@ static size_t bring_foreign_first(struct lx_silkit *self)
     struct lx_silkit_list *list = &self->pending;
     const size_t left = list->count - list->first;
     size_t here = 0;
-    while (here < left && !is_foreign(self, &list->at[list->first + here])) {
+    while (here < left && !is_message_ahead(self, &list->at[list->first + here])) {
         here++;
     }
     if (here > 0 && here < left) {
@@ -339,7 +339,7 @@ static size_t bring_foreign_first(struct lx_silkit *self)
 
 /* Let time go on to the next deadline up to `at`. What lanes have to do before it comes first; at
    one moment deadlines come before messages, and theirs, of times before `end`, before others. */
-static bool pass(struct lx_silkit *self, dg_ns at, uint64_t end)
+static bool pass_step(struct lx_silkit *self, dg_ns at, uint64_t end)
 {
     const dg_ns next = lx_strand_next(NULL);
     if (next <= at) {
@@ -366,12 +366,12 @@ bool lx_silkit_step(struct lx_silkit *self)
         list->first < list->count ? &list->at[list->first] : NULL;
     if (next != NULL && next->time < self->at) {
         const dg_ns at = lx_silkit_moment_of(self, next->time);
-        if (!pass(self, at, next->time + 1u)) {
+        if (!pass_step(self, at, next->time + 1u)) {
             lx_silkit_deliver(self, list, at, self->at);
         }
         return true;
     }
-    if (pass(self, lx_silkit_moment_of(self, self->at), self->at)) {
+    if (pass_step(self, lx_silkit_moment_of(self, self->at), self->at)) {
         return true;
     }
     const size_t foreign = bring_foreign_first(self);
@@ -444,7 +444,7 @@ static int make_life(struct lx_silkit *self, struct lx_error *error)
     };
     struct lx_sk_monitor *monitor = NULL;
     if (self->lib.lifecycle_new(&self->lifecycle, self->participant, &setup) != 0 ||
-        self->lib.on_ready(self->lifecycle, self, on_ready) != 0 ||
+        self->lib.on_ready(self->lifecycle, self, on_lifecycle_ready) != 0 ||
         self->lib.on_stop(self->lifecycle, self, on_stop) != 0 ||
         self->lib.on_shutdown(self->lifecycle, self, on_shutdown) != 0 ||
         self->lib.on_abort(self->lifecycle, self, on_abort) != 0 ||
@@ -470,7 +470,7 @@ static int refuse_to_join(const struct lx_silkit *self, struct lx_error *error)
     return lx_refuse(error, "start a registry there, e.g. sil-kit-registry", "SIL Kit: %s", why);
 }
 
-static void configure(const struct lx_silkit *self, char to[CONFIGURATION_MAX])
+static void write_configuration(const struct lx_silkit *self, char to[CONFIGURATION_MAX])
 {
     const bool together = self->settings.aggregate && lx_silkit_is_virtual(self);
     char ports[PORTS_MAX] = "";
@@ -481,7 +481,7 @@ static void configure(const struct lx_silkit *self, char to[CONFIGURATION_MAX])
     (void)snprintf(to, CONFIGURATION_MAX, CONFIGURATION, ports, together ? TOGETHER : "");
 }
 
-static void warn(const struct lx_silkit *self)
+static void warn_beyond_loopback(const struct lx_silkit *self)
 {
     if (!lx_silkit_is_loopback(&self->where)) {
         lx_complain("%s: beyond loopback; whoever reaches the ports of %s turns its shafts and "
@@ -495,7 +495,7 @@ static int make_participant(struct lx_silkit_call *call, struct lx_error *error)
     struct lx_silkit *self = call->all;
     struct lx_sk_config *config = NULL;
     char text[CONFIGURATION_MAX];
-    configure(self, text);
+    write_configuration(self, text);
     if (self->lib.config_new(&config, text) != 0) {
         return lx_silkit_refused(self, "no configuration", error);
     }
@@ -524,7 +524,7 @@ int lx_silkit_join(struct lx_silkit *self, const char *where, struct lx_silkit_w
     if (lx_silkit_wait(&call, error) != 0) {
         return -1;
     }
-    warn(self);
+    warn_beyond_loopback(self);
     return 0;
 }
 

@@ -42,7 +42,7 @@ bool lx_silkit_list_add(struct lx_silkit_list *self, const struct lx_silkit_mess
     return true;
 }
 
-static void reverse(struct lx_silkit_message *at, size_t n)
+static void reverse_messages(struct lx_silkit_message *at, size_t n)
 {
     for (size_t i = 0; i < n / 2u; i++) {
         const struct lx_silkit_message one = at[i];
@@ -55,9 +55,9 @@ void lx_silkit_list_turn(struct lx_silkit_list *self, size_t n)
 {
     struct lx_silkit_message *at = self->at + self->first;
     const size_t left = self->count - self->first;
-    reverse(at, n);
-    reverse(at + n, left - n);
-    reverse(at, left);
+    reverse_messages(at, n);
+    reverse_messages(at + n, left - n);
+    reverse_messages(at, left);
 }
 
 void lx_silkit_list_trim(struct lx_silkit_list *self)
@@ -81,15 +81,15 @@ void lx_silkit_list_free(struct lx_silkit_list *self)
 
 /* --- any thread --- */
 
-static bool fits(const struct lx_silkit_inbox *self, size_t n)
+static bool fits_room(const struct lx_silkit_inbox *self, size_t n)
 {
     return self->list.count < MESSAGES_MAX && n <= BYTES_MAX - self->bytes;
 }
 
-static bool add(struct lx_silkit_inbox *self, struct lx_silkit_message *message, size_t n)
+static bool add_message(struct lx_silkit_inbox *self, struct lx_silkit_message *message, size_t n)
 {
     message->order = self->order++;
-    if (!fits(self, n) || !lx_silkit_list_add(&self->list, message)) {
+    if (!fits_room(self, n) || !lx_silkit_list_add(&self->list, message)) {
         return false;
     }
     self->bytes += n;
@@ -120,7 +120,7 @@ void lx_silkit_inbox_put(struct lx_silkit_inbox *self, const struct lx_silkit_me
     note_end(self, message->kind);
     const bool wanted = !self->closed;
     const bool first = self->list.count == 0;
-    const bool added = wanted && whole && add(self, &copy, copy.bytes == NULL ? 0 : n);
+    const bool added = wanted && whole && add_message(self, &copy, copy.bytes == NULL ? 0 : n);
     self->lost += wanted && !added ? 1u : 0u;
     (void)pthread_mutex_unlock(&self->lock);
     if (!added) {

@@ -48,7 +48,7 @@ static bool has_mail(const struct lane *self, uint64_t end)
     return self->mail.first < self->mail.count && self->mail.at[self->mail.first].time < end;
 }
 
-static bool is_due(const struct lane *self, dg_ns until, uint64_t end)
+static bool is_lane_due(const struct lane *self, dg_ns until, uint64_t end)
 {
     return lx_strand_next(self->strand) <= until || has_mail(self, end);
 }
@@ -92,7 +92,7 @@ static void *serve(void *ctx)
 
 /* --- all of them --- */
 
-static void ask(struct lx_silkit_lanes *self, struct lane *lane)
+static void ask_lane(struct lx_silkit_lanes *self, struct lane *lane)
 {
     (void)pthread_mutex_lock(&self->lock);
     lane->asked = true;
@@ -119,12 +119,12 @@ void lx_silkit_lanes_run(struct lx_silkit *self, dg_ns until, uint64_t end)
         struct lane *lane = &lanes->lane[i];
         lane->until = until;
         lane->end = end;
-        if (!is_due(lane, until, end)) {
+        if (!is_lane_due(lane, until, end)) {
             lx_strand_skip(lane->strand, until);
         } else if (!lane->runs) {
             own = lane;
         } else {
-            ask(lanes, lane);
+            ask_lane(lanes, lane);
             asked = true;
         }
     }

@@ -13,7 +13,7 @@
 
 /* --- out --- */
 
-static bool make_room(struct lx_silkit_pack *self, size_t n)
+static bool make_pack_room(struct lx_silkit_pack *self, size_t n)
 {
     size_t capacity = self->capacity == 0 ? FIRST_BYTES : self->capacity;
     while (capacity < n) {
@@ -37,7 +37,7 @@ bool lx_silkit_pack_add(struct lx_silkit_pack *self, uint64_t at, const struct d
     const uint8_t dlc = frame->dlc < DATA_MAX ? frame->dlc : DATA_MAX;
     const size_t n = frame->rtr ? 0 : dlc;
     if (self->count == LX_SILKIT_PACK_FRAMES || at < first || at - first > UINT32_MAX ||
-        !make_room(self, begin + LX_SILKIT_PACK_FRAME + n)) {
+        !make_pack_room(self, begin + LX_SILKIT_PACK_FRAME + n)) {
         return false;
     }
     uint8_t *to = self->bytes + begin;
@@ -69,7 +69,7 @@ void lx_silkit_pack_free(struct lx_silkit_pack *self)
 /* --- in --- */
 
 /* @return how long the frame at `from` is, of which `n` bytes are there at most; 0: it is none */
-static size_t length_of(const uint8_t *from, size_t n)
+static size_t frame_length_of(const uint8_t *from, size_t n)
 {
     if (n < LX_SILKIT_PACK_FRAME) {
         return 0;
@@ -88,7 +88,7 @@ bool lx_silkit_pack_is_good(const uint8_t *bytes, size_t n)
     const unsigned count = dg_load_le16(bytes + 8);
     size_t at = LX_SILKIT_PACK_HEAD;
     for (unsigned i = 0; i < count; i++) {
-        const size_t length = length_of(bytes + at, n - at);
+        const size_t length = frame_length_of(bytes + at, n - at);
         if (length == 0) {
             return false;
         }
@@ -104,7 +104,7 @@ bool lx_silkit_pack_next(const uint8_t *bytes, size_t n, size_t *at, struct dg_c
     }
     const uint8_t *from = bytes + *at;
     const uint16_t id = dg_load_le16(from + 4);
-    const size_t length = length_of(from, n - *at);
+    const size_t length = frame_length_of(from, n - *at);
     *frame = (struct dg_can_frame){.id = id & ID_MAX, .rtr = (id & REMOTE) != 0, .dlc = from[6]};
     memcpy(frame->data, from + LX_SILKIT_PACK_FRAME, length - LX_SILKIT_PACK_FRAME);
     *at += length;

@@ -17,8 +17,8 @@
 
 /* Put what a handler was told into the inbox. A thread that was left behind may still call handlers
    when the port is gone. */
-static void put(struct lx_silkit_port *port, struct lx_silkit_message message, const void *bytes,
-                size_t n)
+static void put_message(struct lx_silkit_port *port, struct lx_silkit_message message,
+                        const void *bytes, size_t n)
 {
     message.port = port;
     if (!lx_silkit_is_left_behind()) {
@@ -38,14 +38,14 @@ static void on_frame(void *ctx, struct lx_sk_can *can, struct lx_sk_frame_event 
         .dlc = frame->dlc,
     };
     (void)can;
-    put(ctx, message, frame->data.data, fits ? frame->data.size : 0);
+    put_message(ctx, message, frame->data.data, fits ? frame->data.size : 0);
 }
 
 static void on_transmit(void *ctx, struct lx_sk_can *can, struct lx_sk_transmit_event *event)
 {
     const struct lx_silkit_message message = {.kind = LX_SILKIT_LOST, .time = event->timestamp};
     (void)can;
-    put(ctx, message, NULL, 0);
+    put_message(ctx, message, NULL, 0);
 }
 
 static void on_error(void *ctx, struct lx_sk_can *can, struct lx_sk_error_event *event)
@@ -56,7 +56,7 @@ static void on_error(void *ctx, struct lx_sk_can *can, struct lx_sk_error_event 
         .id = (uint32_t)event->state,
     };
     (void)can;
-    put(ctx, message, NULL, 0);
+    put_message(ctx, message, NULL, 0);
 }
 
 static void on_data(void *ctx, struct lx_sk_subscriber *subscriber,
@@ -76,7 +76,7 @@ static void on_data(void *ctx, struct lx_sk_subscriber *subscriber,
                                : UINT32_MAX,
     };
     (void)subscriber;
-    put(port, message, event->data.data, fits ? n : 0);
+    put_message(port, message, event->data.data, fits ? n : 0);
 }
 
 /* Each frame is a message by itself, as if it had come on a CAN network. */
@@ -91,20 +91,20 @@ static void on_pack(void *ctx, struct lx_sk_subscriber *subscriber,
     if (n > LX_SILKIT_PACK_MAX || !lx_silkit_pack_is_good(event->data.data, n)) {
         message.kind = LX_SILKIT_REFUSED;
         message.id = n < UINT32_MAX ? (uint32_t)n : UINT32_MAX;
-        put(ctx, message, NULL, 0);
+        put_message(ctx, message, NULL, 0);
         return;
     }
     while (lx_silkit_pack_next(event->data.data, n, &at, &frame)) {
         message.id = frame.id;
         message.flags = frame.rtr ? LX_SK_FRAME_REMOTE : 0;
         message.dlc = frame.dlc;
-        put(ctx, message, frame.data, frame.rtr ? 0 : frame.dlc);
+        put_message(ctx, message, frame.data, frame.rtr ? 0 : frame.dlc);
     }
 }
 
 /* --- order --- */
 
-static int compare(const void *a, const void *b)
+static int compare_messages(const void *a, const void *b)
 {
     const struct lx_silkit_message *one = a;
     const struct lx_silkit_message *other = b;
@@ -123,7 +123,8 @@ static int compare(const void *a, const void *b)
 void lx_silkit_sort(struct lx_silkit_list *list)
 {
     if (list->count - list->first > 1u) {
-        qsort(list->at + list->first, list->count - list->first, sizeof *list->at, compare);
+        qsort(list->at + list->first, list->count - list->first, sizeof *list->at,
+              compare_messages);
     }
 }
 
@@ -171,7 +172,7 @@ void lx_silkit_name_topic(struct lx_silkit_port *port, const char *name, const c
 }
 
 /* @return false without memory */
-static bool add(struct lx_silkit *self, struct lx_silkit_port *port)
+static bool add_port(struct lx_silkit *self, struct lx_silkit_port *port)
 {
     struct lx_silkit_port **list =
         reallocarray(self->port, self->count + 1u, sizeof(struct lx_silkit_port *));
@@ -186,7 +187,7 @@ static bool add(struct lx_silkit *self, struct lx_silkit_port *port)
 }
 
 /* A name that only the participant itself has to tell from its others. */
-static const char *name_of(const struct lx_silkit_port *port, char to[32])
+static const char *topic_name_of(const struct lx_silkit_port *port, char to[32])
 {
     (void)snprintf(to, 32, "port%zu", port->place);
     return to;
@@ -196,7 +197,7 @@ static int make_can(struct lx_silkit_call *call, struct lx_error *error)
 {
     const struct lx_silkit *self = call->all;
     char name[32];
-    return self->lib.can_new(&call->can, self->participant, name_of(call->port, name),
+    return self->lib.can_new(&call->can, self->participant, topic_name_of(call->port, name),
                              call->name) != 0
                ? lx_silkit_refused(self, call->name, error)
                : 0;
@@ -207,7 +208,7 @@ int lx_silkit_open_can(struct lx_silkit *self, struct lx_silkit_port *port, cons
 {
     struct lx_silkit_call call = {.make = make_can, .all = self, .port = port};
     uint64_t id = 0;
-    if (!add(self, port)) {
+    if (!add_port(self, port)) {
         return lx_fail(error, "no memory for a bus");
     }
     (void)snprintf(call.name, sizeof call.name, "%s", network);
@@ -237,7 +238,7 @@ static int make_subscriber(struct lx_silkit_call *call, struct lx_error *error)
     struct lx_sk_subscriber *subscriber = NULL;
     struct lx_sk_spec spec = spec_of(call);
     char name[32];
-    return self->lib.subscriber_new(&subscriber, self->participant, name_of(call->port, name),
+    return self->lib.subscriber_new(&subscriber, self->participant, topic_name_of(call->port, name),
                                     &spec, call->port, call->port->packed ? on_pack : on_data) != 0
                ? lx_silkit_refused(self, call->name, error)
                : 0;
@@ -248,15 +249,15 @@ static int make_publisher(struct lx_silkit_call *call, struct lx_error *error)
     const struct lx_silkit *self = call->all;
     struct lx_sk_spec spec = spec_of(call);
     char name[32];
-    return self->lib.publisher_new(&call->publisher, self->participant, name_of(call->port, name),
-                                   &spec, 0) != 0
+    return self->lib.publisher_new(&call->publisher, self->participant,
+                                   topic_name_of(call->port, name), &spec, 0) != 0
                ? lx_silkit_refused(self, call->name, error)
                : 0;
 }
 
 static int open_topic(struct lx_silkit_call *call, struct lx_error *error)
 {
-    if (!add(call->all, call->port)) {
+    if (!add_port(call->all, call->port)) {
         return lx_fail(error, "no memory for a topic");
     }
     memcpy(call->name, call->port->topic, sizeof call->name);

@@ -26,7 +26,7 @@ struct silkit_serial {
     size_t count;
 };
 
-static struct silkit_serial *line_of(struct lx_serial *serial)
+static struct silkit_serial *silkit_serial_of(struct lx_serial *serial)
 {
     return (struct silkit_serial *)serial;
 }
@@ -46,7 +46,7 @@ static void flush(void *ctx, dg_ns now)
 /* In real time there are no steps to collect it in. */
 static size_t send(struct lx_serial *serial, const uint8_t *bytes, size_t n)
 {
-    struct silkit_serial *self = line_of(serial);
+    struct silkit_serial *self = silkit_serial_of(serial);
     const size_t room = sizeof self->sent - self->count;
     const size_t sent = n < room ? n : room;
     if (!lx_silkit_is_ready(self->reply.all)) {
@@ -79,7 +79,7 @@ static void receive(void *ctx, dg_ns now, const struct lx_silkit_message *messag
 
 /* --- the operations --- */
 
-static int open_topics(struct silkit_serial *self, struct lx_error *error)
+static int open_serial_topics(struct silkit_serial *self, struct lx_error *error)
 {
     const struct lx_serial_setup *setup = &self->serial.setup;
     struct lx_silkit_where where;
@@ -102,7 +102,7 @@ static int open_line(struct lx_serial *serial, struct lx_error *error)
 {
     serial->fd = eventfd(0, EFD_CLOEXEC);
     return serial->fd < 0 ? lx_fail(error, "no descriptor is left")
-                          : open_topics(line_of(serial), error);
+                          : open_serial_topics(silkit_serial_of(serial), error);
 }
 
 static const struct lx_serial_ops silkit_ops = {

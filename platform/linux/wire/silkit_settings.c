@@ -14,7 +14,7 @@
 /* --- addresses --- */
 
 /* A name of letters, digits, '_', '-' and '.'; a slash begins what stands behind it. */
-static bool take_name(const char *from, size_t n, char to[LX_SILKIT_NAME_MAX])
+static bool take_network_name(const char *from, size_t n, char to[LX_SILKIT_NAME_MAX])
 {
     bool good = n > 0 && n < LX_SILKIT_NAME_MAX;
     for (size_t i = 0; good && i < n; i++) {
@@ -53,8 +53,9 @@ int lx_silkit_split(const char *where, struct lx_silkit_where *out, struct lx_er
     const char *network = where + uri + (where[uri] == ',' ? 1 : 0);
     const size_t n = strcspn(network, ",");
     const char *name = network[n] == ',' ? network + n + 1 : NULL;
-    const bool good = take_uri(where, uri, out->uri) && take_name(network, n, out->network) &&
-                      (name == NULL || take_name(name, strlen(name), out->participant));
+    const bool good = take_uri(where, uri, out->uri) &&
+                      take_network_name(network, n, out->network) &&
+                      (name == NULL || take_network_name(name, strlen(name), out->participant));
     (void)snprintf(out->ready, sizeof out->ready, "%s,%s", out->uri, out->network);
     return good ? 0 : lx_refuse(error, RIGHT, "%s", "");
 }

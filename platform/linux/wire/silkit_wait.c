@@ -47,7 +47,7 @@ static void *make(void *ctx)
 }
 
 /* A little while, or until it is done. */
-static bool look(struct waiting *self)
+static bool wait_briefly(struct waiting *self)
 {
     struct timespec end;
     (void)clock_gettime(CLOCK_REALTIME, &end);
@@ -74,8 +74,8 @@ static int leave_behind(struct waiting *self, pthread_t thread, struct lx_error 
                            WAIT_MS / 1000u);
 }
 
-static int finish(struct waiting *self, pthread_t thread, struct lx_silkit_call *call,
-                  struct lx_error *error)
+static int finish_call(struct waiting *self, pthread_t thread, struct lx_silkit_call *call,
+                       struct lx_error *error)
 {
     (void)pthread_join(thread, NULL);
     const int result = self->result;
@@ -89,7 +89,7 @@ static int finish(struct waiting *self, pthread_t thread, struct lx_silkit_call 
     return result;
 }
 
-static int start(struct waiting *self, pthread_t *thread)
+static int start_call(struct waiting *self, pthread_t *thread)
 {
     sigset_t before;
     lx_silkit_mask(&before);
@@ -108,13 +108,13 @@ int lx_silkit_wait(struct lx_silkit_call *call, struct lx_error *error)
     self->call = *call;
     (void)pthread_mutex_init(&self->lock, NULL);
     (void)pthread_cond_init(&self->over, NULL);
-    if (start(self, &thread) != 0) {
+    if (start_call(self, &thread) != 0) {
         free(self);
         return lx_fail(error, "no thread for a simulation");
     }
-    bool done = look(self);
+    bool done = wait_briefly(self);
     for (unsigned ms = 0; !done && ms < WAIT_MS && !lx_ending_asked(); ms += LOOK_MS) {
-        done = look(self);
+        done = wait_briefly(self);
     }
-    return done ? finish(self, thread, call, error) : leave_behind(self, thread, error);
+    return done ? finish_call(self, thread, call, error) : leave_behind(self, thread, error);
 }

@@ -69,7 +69,7 @@ static bool decode(struct lx_serial *serial, uint8_t byte, struct lx_character *
 
 /* Raw, with damaged characters marked. VMIN 1: a read that finds nothing says EAGAIN, so that 0
    always is a hang-up. */
-static void make_raw(struct termios *line, const struct lx_uart *uart)
+static void make_line_raw(struct termios *line, const struct lx_uart *uart)
 {
     cfmakeraw(line);
     line->c_iflag &= (tcflag_t) ~(IGNPAR | IGNBRK | BRKINT | IXON | IXOFF);
@@ -87,14 +87,14 @@ static void make_raw(struct termios *line, const struct lx_uart *uart)
 }
 
 /* tcsetattr() succeeds when it could do any part, so the speed is read back. */
-static int configure(int fd, const struct lx_uart *uart)
+static int configure_port(int fd, const struct lx_uart *uart)
 {
     struct termios line;
     const speed_t speed = (speed_t)lx_speed_of_baud(uart->baud);
     if (tcgetattr(fd, &line) != 0) {
         return -1;
     }
-    make_raw(&line, uart);
+    make_line_raw(&line, uart);
     if (cfsetispeed(&line, speed) != 0 || cfsetospeed(&line, speed) != 0 ||
         tcsetattr(fd, TCSANOW, &line) != 0 || tcgetattr(fd, &line) != 0) {
         return -1;
@@ -108,7 +108,7 @@ static int configure(int fd, const struct lx_uart *uart)
 
 /* Where the driver switches the direction of an RS485 transceiver, let it; where it can hand over
    characters without collecting them, let it. Both are fine to miss. */
-static void tune(int fd)
+static void tune_port(int fd)
 {
     struct serial_rs485 rs485;
     if (ioctl(fd, TIOCGRS485, &rs485) == 0 && (rs485.flags & SER_RS485_ENABLED) == 0) {
@@ -141,11 +141,11 @@ static int open_device(struct tty *self)
 {
     struct lx_serial *serial = &self->serial;
     serial->fd = open(serial->address, O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
-    if (serial->fd < 0 || configure(serial->fd, &serial->uart) != 0) {
+    if (serial->fd < 0 || configure_port(serial->fd, &serial->uart) != 0) {
         return errno;
     }
     (void)tcflush(serial->fd, TCIFLUSH); /* what came in before the port was set up */
-    tune(serial->fd);
+    tune_port(serial->fd);
     serial->timed = !is_pty(serial->fd);
     self->passing = !serial->timed && !is_link(serial->address);
     self->parmrk = (struct lx_parmrk){0};
@@ -177,7 +177,7 @@ static bool lasting(const struct lx_serial *serial)
 
 static void apply(struct lx_serial *serial)
 {
-    if (serial->fd >= 0 && configure(serial->fd, &serial->uart) != 0) {
+    if (serial->fd >= 0 && configure_port(serial->fd, &serial->uart) != 0) {
         lx_complain("%s: cannot do %lu Bd 8%c1: %s", serial->address,
                     (unsigned long)serial->uart.baud, serial->uart.parity, strerror(errno));
     }
