@@ -7,7 +7,7 @@
 #include "wire.h"
 
 /* Words of a plan that are called otherwise here. */
-static const char *option_of(const char *key)
+static const char *option_word_of(const char *key)
 {
     return strcmp(key, "motion") == 0 ? "shaft" : key;
 }
@@ -36,7 +36,7 @@ struct lx_words complaint(const struct lx_error *error)
                      where->value);
         break;
     case LX_ABOUT_KEY: /* a text that is about one without a value begins with the value */
-        lx_words_add(&line, "--%s %s%s", option_of(where->key), where->value,
+        lx_words_add(&line, "--%s %s%s", option_word_of(where->key), where->value,
                      where->valued ? ": " : "");
         break;
     case LX_ABOUT_NOTHING:

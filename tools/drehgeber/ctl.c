@@ -134,7 +134,7 @@ static void note_life(struct talk *self)
     self->told = false;
 }
 
-static bool append(char **to, size_t *length, const char *bytes, size_t n)
+static bool append_bytes(char **to, size_t *length, const char *bytes, size_t n)
 {
     char *more = realloc(*to, *length + n + 1);
     if (more == NULL) {
@@ -164,17 +164,17 @@ static void look_for_waits(struct talk *self, const char *bytes, size_t n)
 static bool say_bytes(struct talk *self, const char *bytes, size_t n)
 {
     look_for_waits(self, bytes, n);
-    return append(&self->output, &self->output_length, bytes, n);
+    return append_bytes(&self->output, &self->output_length, bytes, n);
 }
 
-static bool say(struct talk *self, const char *text)
+static bool say_text(struct talk *self, const char *text)
 {
     return say_bytes(self, text, strlen(text));
 }
 
 static bool ask_for_errors(struct talk *self)
 {
-    return say(self, self->serial ? MARKED_ERRORS : ERRORS);
+    return say_text(self, self->serial ? MARKED_ERRORS : ERRORS);
 }
 
 /* Whether the other side is to do something. While the user only types nothing is to come. */
@@ -201,7 +201,7 @@ static void take_stdin(struct talk *self)
     }
 }
 
-static void send_some(struct talk *self)
+static void send_talk(struct talk *self)
 {
     if (self->output == NULL) {
         return;
@@ -268,7 +268,7 @@ static bool marked(struct talk *self)
 }
 
 /* @return false at the end */
-static bool receive_some(struct talk *self)
+static bool receive_talk(struct talk *self)
 {
     char bytes[CHUNK];
     const ssize_t n = self->serial ? read(self->fd, bytes, sizeof bytes)
@@ -277,7 +277,7 @@ static bool receive_some(struct talk *self)
         return true;
     }
     self->failed = n < 0;
-    if (n <= 0 || !append(&self->input, &self->input_length, bytes, (size_t)n)) {
+    if (n <= 0 || !append_bytes(&self->input, &self->input_length, bytes, (size_t)n)) {
         return false;
     }
     note_life(self);
@@ -316,7 +316,7 @@ static bool bear_silence(struct talk *self)
     return true;
 }
 
-static void exchange(struct talk *self)
+static void exchange_lines(struct talk *self)
 {
     bool open = true;
     note_life(self);
@@ -333,10 +333,10 @@ static void exchange(struct talk *self)
             take_stdin(self);
         }
         if ((fds[0].revents & POLLOUT) != 0 && !self->failed) {
-            send_some(self);
+            send_talk(self);
         }
         if ((fds[0].revents & (POLLIN | POLLHUP | POLLERR)) != 0 && !self->failed) {
-            open = receive_some(self);
+            open = receive_talk(self);
         }
     }
 }
@@ -356,7 +356,7 @@ static void complain_of(const char *line)
 }
 
 /* The last line says what went wrong. */
-static int conclude(const struct talk *self)
+static int conclude_talk(const struct talk *self)
 {
     char *line = self->input;
     if (self->silent) {
@@ -409,13 +409,13 @@ int ctl_command(const struct ctl_wanted *wanted, char *const *words, size_t coun
     if (self.fd < 0) {
         return complain(&error, EXIT_OTHER);
     }
-    self.failed = !say(&self, greeting);
+    self.failed = !say_text(&self, greeting);
     for (size_t i = 0; i < count && !self.failed; i++) {
-        self.failed =
-            !say(&self, words[i]) || !(i + 1 < count ? say(&self, "\n") : ask_for_errors(&self));
+        self.failed = !say_text(&self, words[i]) ||
+                      !(i + 1 < count ? say_text(&self, "\n") : ask_for_errors(&self));
     }
-    exchange(&self);
-    const int status = conclude(&self);
+    exchange_lines(&self);
+    const int status = conclude_talk(&self);
     (void)close(self.fd);
     free(self.output);
     free(self.input);

@@ -76,7 +76,7 @@ static uint32_t key_of(const char *section)
 /* ---------------------------------------------------------------- names */
 
 /* A line of the text without its end. */
-static void take_name(struct explaining *self, const char *line, size_t n, uint32_t *key)
+static void take_parameter_name(struct explaining *self, const char *line, size_t n, uint32_t *key)
 {
     static const char word[] = "ParameterName";
     char section[16];
@@ -114,7 +114,7 @@ static void find_names(struct explaining *self)
         const char *next = stop == NULL ? end : stop + 1;
         size_t n = (size_t)((stop == NULL ? end : stop) - at);
         n -= n > 0 && at[n - 1u] == '\r' ? 1u : 0u;
-        take_name(self, at, n, &key);
+        take_parameter_name(self, at, n, &key);
         at = next;
     }
     qsort(self->names, self->name_count, sizeof *self->names, compare_names);
@@ -167,7 +167,7 @@ static void print_name(const struct name *name)
     }
 }
 
-static void print_line(const struct explaining *self, const struct line *line)
+static void print_named_line(const struct explaining *self, const struct line *line)
 {
     const struct name wanted = {.key = line->key};
     const struct name *name =
@@ -202,7 +202,7 @@ int eds_explain(const char *path)
         find_names(&self);
         find_lines(&self);
         for (size_t i = 0; i < self.line_count; i++) {
-            print_line(&self, &self.lines[i]);
+            print_named_line(&self, &self.lines[i]);
         }
     } else {
         lx_complain("%s: no memory for what is in it", self.file->path);

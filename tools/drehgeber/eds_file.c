@@ -82,8 +82,8 @@ static void place_note(const struct dg_eds_note *note, char line[16], char place
     dg_co_say_place(note, &text);
 }
 
-static int refuse(const struct eds_file *self, const struct dg_eds_note *wrong,
-                  struct lx_error *error)
+static int refuse_note(const struct eds_file *self, const struct dg_eds_note *wrong,
+                       struct lx_error *error)
 {
     char line[16];
     char place[PLACE_MAX];
@@ -125,7 +125,7 @@ static int read_objects(struct eds_file *self, struct lx_error *error)
         self->kept = true;
         result = read_with(self, &wrong);
     }
-    return result == DG_OK ? 0 : refuse(self, &wrong, error);
+    return result == DG_OK ? 0 : refuse_note(self, &wrong, error);
 }
 
 struct eds_file *eds_file_open(const char *path, struct lx_error *error)

@@ -15,7 +15,7 @@
 #define BYTES_SHOWN 32u
 
 /* What the command is doing. */
-struct explain {
+struct explain_recording {
     const struct options *options;
     FILE *file;
     struct explain_talk talk;
@@ -29,7 +29,7 @@ struct explain {
 
 /* --- lines --- */
 
-static void print_time(const struct explain *self, dg_ns at)
+static void print_time(const struct explain_recording *self, dg_ns at)
 {
     const dg_ns since = dg_elapsed(at, self->base);
     (void)printf("%" PRIu64 ".%06" PRIu64, since / DG_S(1), since % DG_S(1) / DG_US(1));
@@ -45,7 +45,8 @@ static void print_bytes(const char *before, const uint8_t *bytes, size_t n, size
 }
 
 /* "0.012345 > 40h -> 42h position 74565  [5.1.2.1]" */
-static void print_message(const struct explain *self, const struct explain_message *message)
+static void print_message(const struct explain_recording *self,
+                          const struct explain_message *message)
 {
     print_time(self, message->at);
     (void)printf(" %c %s", message->ours ? '>' : '<', message->text);
@@ -66,7 +67,8 @@ static void print_side(const char *name, const uint8_t *bytes, size_t n, const c
 }
 
 /* What the model would have sent, in the words of the recording. */
-static void print_model(struct explain *self, const struct explain_difference *difference)
+static void print_model_message(struct explain_recording *self,
+                                const struct explain_difference *difference)
 {
     const struct explain_said *said = difference->model;
     const struct explain_message *came = difference->came;
@@ -86,7 +88,7 @@ static void print_model(struct explain *self, const struct explain_difference *d
 
 static void on_difference(void *ctx, const struct explain_difference *difference)
 {
-    struct explain *self = ctx;
+    struct explain_recording *self = ctx;
     const struct explain_message *came = difference->came;
     self->differences++;
     if (difference->asked != NULL) {
@@ -106,13 +108,13 @@ static void on_difference(void *ctx, const struct explain_difference *difference
     if (difference->model == NULL) {
         (void)puts("  model: nothing");
     } else {
-        print_model(self, difference);
+        print_model_message(self, difference);
     }
 }
 
 static void on_frame(void *ctx, const struct explain_message *message)
 {
-    const struct explain *self = ctx;
+    const struct explain_recording *self = ctx;
     if (!self->compares) {
         print_message(self, message);
     }
@@ -120,7 +122,7 @@ static void on_frame(void *ctx, const struct explain_message *message)
 
 /* --- what is done --- */
 
-static int tell_all(struct explain *self)
+static int tell_all(struct explain_recording *self)
 {
     struct explain_message message;
     int found;
@@ -131,7 +133,7 @@ static int tell_all(struct explain *self)
     return found;
 }
 
-static int replay(struct explain *self)
+static int replay_recording(struct explain_recording *self)
 {
     struct explain_replay *replay = lx_allocate(sizeof *replay, "a recording", &self->error);
     if (replay == NULL) {
@@ -148,7 +150,7 @@ static int replay(struct explain *self)
     return result;
 }
 
-static int tell_edges(struct explain *self)
+static int tell_edges(struct explain_recording *self)
 {
     struct explain_edges *edges = lx_allocate(sizeof *edges, "a recording", &self->error);
     if (edges == NULL) {
@@ -165,17 +167,17 @@ static int tell_edges(struct explain *self)
     return result;
 }
 
-static int tell(struct explain *self)
+static int tell_recording(struct explain_recording *self)
 {
     if (self->talk.medium == DG_MEDIUM_EDGES) {
         return tell_edges(self);
     }
-    return self->compares ? replay(self) : tell_all(self);
+    return self->compares ? replay_recording(self) : tell_all(self);
 }
 
 /* --- from the command line --- */
 
-static int make_model(struct explain *self)
+static int make_model(struct explain_recording *self)
 {
     const struct options *options = self->options;
     if (options->model == NULL) {
@@ -191,7 +193,7 @@ static int make_model(struct explain *self)
 }
 
 /* What a line has that does not say it. */
-static void set_line(struct explain *self)
+static void set_line(struct explain_recording *self)
 {
     struct dg_host_uart uart;
     if (self->compares && dg_host_uart(self->model.model, &uart) == DG_HOST_OK) {
@@ -199,7 +201,7 @@ static void set_line(struct explain *self)
     }
 }
 
-static int open_recording(struct explain *self)
+static int open_recording(struct explain_recording *self)
 {
     const char *path = self->options->capture;
     self->file = lx_file_read(NULL, path, &self->error);
@@ -225,7 +227,7 @@ static dg_ns begin_of(const struct dg_tap_event *event)
 }
 
 /* @return how the program ends; EXIT_OK: go on */
-static int check_medium(struct explain *self)
+static int check_medium(struct explain_recording *self)
 {
     static const char *const titles[] = {"characters", "CAN frames", "levels of a clocked line",
                                          "words of a ring"};
@@ -240,7 +242,7 @@ static int check_medium(struct explain *self)
     return EXIT_USAGE;
 }
 
-static void note_sum(const struct explain *self)
+static void note_sum(const struct explain_recording *self)
 {
     const struct lx_say *say = &self->options->say;
     if (self->compares) {
@@ -256,7 +258,7 @@ static void note_sum(const struct explain *self)
     }
 }
 
-static int explain(struct explain *self)
+static int explain_recording(struct explain_recording *self)
 {
     if (make_model(self) != 0) {
         return EXIT_USAGE;
@@ -276,7 +278,7 @@ static int explain(struct explain *self)
         if (fits != EXIT_OK) {
             return fits;
         }
-        if (tell(self) != 0) {
+        if (tell_recording(self) != 0) {
             return EXIT_OTHER;
         }
     }
@@ -286,7 +288,7 @@ static int explain(struct explain *self)
 
 int explain_command(const struct options *options)
 {
-    struct explain *self = calloc(1, sizeof *self);
+    struct explain_recording *self = calloc(1, sizeof *self);
     if (self == NULL) {
         lx_complain("no memory");
         return EXIT_OTHER;
@@ -297,7 +299,7 @@ int explain_command(const struct options *options)
         return EXIT_USAGE;
     }
     self->options = options;
-    const int status = explain(self);
+    const int status = explain_recording(self);
     (void)fflush(stdout);
     if (self->error.what[0] != '\0') {
         (void)complain(&self->error, status);

@@ -34,8 +34,8 @@ static bool begins(const uint8_t *bytes, size_t n)
     return i < n && (bytes[i] == '(' || (first >= 'a' && first <= 'z'));
 }
 
-static int refuse(const struct candump *self, const char *at, const char *right,
-                  struct lx_error *error)
+static int refuse_token(const struct candump *self, const char *at, const char *right,
+                        struct lx_error *error)
 {
     const bool end = *at == '\0';
     return explain_text_refuse(&self->source.text, at,
@@ -48,10 +48,10 @@ static int take_byte(const struct candump *self, struct dg_can_frame *frame, con
 {
     uint64_t value;
     if (frame->dlc == DLC_MAX) {
-        return refuse(self, at, "expected 8 bytes at most", error);
+        return refuse_token(self, at, "expected 8 bytes at most", error);
     }
     if (n < 2u || explain_hex(at, 2, &value) != 2u) {
-        return refuse(self, at, "expected bytes of two hexadecimal digits", error);
+        return refuse_token(self, at, "expected bytes of two hexadecimal digits", error);
     }
     frame->data[frame->dlc++] = (uint8_t)value;
     return 0;
@@ -66,7 +66,7 @@ static int take_compact(const struct candump *self, struct dg_can_frame *frame, 
         frame->rtr = true;
         frame->dlc = sized ? (uint8_t)(at[1] - '0') : 0;
         return sized && (at[1] < '0' || at[1] > '8')
-                   ? refuse(self, at + 1, "expected R and a length of 0 to 8", error)
+                   ? refuse_token(self, at + 1, "expected R and a length of 0 to 8", error)
                    : 0;
     }
     for (; at < end; at += 2) {
@@ -91,14 +91,15 @@ static int take_long(struct candump *self, struct dg_can_frame *frame, uint8_t l
     }
     for (; frame->dlc < length; n = explain_text_token(&self->source.text, &token)) {
         if (n != 2u) {
-            return refuse(self, token, "expected as many bytes as the length says", error);
+            return refuse_token(self, token, "expected as many bytes as the length says", error);
         }
         if (take_byte(self, frame, token, n, error) != 0) {
             return -1;
         }
     }
-    return n == 0 || *token == '\'' ? 0
-                                    : refuse(self, token, "expected the end of the line", error);
+    return n == 0 || *token == '\''
+               ? 0
+               : refuse_token(self, token, "expected the end of the line", error);
 }
 
 /* An ID, of which encoders have those of 11 bits. @return 1; 0: another kind of frame; -1 */
@@ -108,18 +109,18 @@ static int take_id(const struct candump *self, struct dg_can_frame *frame, const
     uint64_t id;
     const size_t digits = explain_hex(at, n, &id);
     if (digits != n || (digits != ID_DIGITS && digits != 8u)) {
-        return refuse(self, at, "expected a CAN-ID of 3 or 8 hexadecimal digits", error);
+        return refuse_token(self, at, "expected a CAN-ID of 3 or 8 hexadecimal digits", error);
     }
     if (digits == ID_DIGITS && id > 0x7FFu) {
-        return refuse(self, at, "expected a CAN-ID of 000 to 7FF", error);
+        return refuse_token(self, at, "expected a CAN-ID of 000 to 7FF", error);
     }
     frame->id = (uint16_t)(id & 0x7FFu);
     return digits == ID_DIGITS ? 1 : 0;
 }
 
 /* The form of a terminal: `token` is the ID. @return as take_id() */
-static int take_terminal(struct candump *self, struct dg_can_frame *frame, const char *token,
-                         size_t n, struct lx_error *error)
+static int take_terminal_frame(struct candump *self, struct dg_can_frame *frame, const char *token,
+                               size_t n, struct lx_error *error)
 {
     const int kind = take_id(self, frame, token, n, error);
     uint64_t length;
@@ -132,13 +133,14 @@ static int take_terminal(struct candump *self, struct dg_can_frame *frame, const
     }
     if (n != 3u || token[0] != '[' || token[2] != ']' ||
         explain_number(token + 1, 1, &length) != 1u || length > DLC_MAX) {
-        return refuse(self, token, "expected a length such as [8]", error);
+        return refuse_token(self, token, "expected a length such as [8]", error);
     }
     return kind == 0 || take_long(self, frame, (uint8_t)length, error) == 0 ? kind : -1;
 }
 
 /* Behind the name of the wire. @return as take_id() */
-static int take_frame(struct candump *self, struct dg_can_frame *frame, struct lx_error *error)
+static int take_candump_frame(struct candump *self, struct dg_can_frame *frame,
+                              struct lx_error *error)
 {
     const char *token;
     size_t n = explain_text_token(&self->source.text, &token);
@@ -149,7 +151,7 @@ static int take_frame(struct candump *self, struct dg_can_frame *frame, struct l
     }
     const char *sign = memchr(token, '#', n);
     if (sign == NULL) {
-        return take_terminal(self, frame, token, n, error);
+        return take_terminal_frame(self, frame, token, n, error);
     }
     const int kind = take_id(self, frame, token, (size_t)(sign - token), error);
     if (kind < 0 || kind == 0 || sign[1] == '#') {
@@ -159,8 +161,8 @@ static int take_frame(struct candump *self, struct dg_can_frame *frame, struct l
 }
 
 /* "(1436509052.249713)". `token` is what follows it. */
-static int take_time(struct candump *self, const char **token, size_t *n, dg_ns *at,
-                     struct lx_error *error)
+static int take_candump_time(struct candump *self, const char **token, size_t *n, dg_ns *at,
+                             struct lx_error *error)
 {
     struct explain_text *text = &self->source.text;
     *n = explain_text_token(text, token);
@@ -170,7 +172,7 @@ static int take_time(struct candump *self, const char **token, size_t *n, dg_ns 
     }
     const size_t used = explain_seconds(*token + 1, *n - 1u, at);
     if (used == 0 || (*token)[used + 1u] != ')') {
-        return refuse(self, *token, "expected a time such as (1436509052.249713)", error);
+        return refuse_token(self, *token, "expected a time such as (1436509052.249713)", error);
     }
     *n = explain_text_token(text, token);
     return 0;
@@ -187,20 +189,22 @@ static bool is_wire(struct candump *self, const char *name, size_t n)
 }
 
 /* @return 1; 0: a line without a frame for these encoders; -1 */
-static int take_line(struct candump *self, struct dg_tap_event *to, struct lx_error *error)
+static int take_candump_line(struct candump *self, struct dg_tap_event *to, struct lx_error *error)
 {
     const char *token;
     size_t n;
     dg_ns at;
-    if (take_time(self, &token, &n, &at, error) != 0) {
+    if (take_candump_time(self, &token, &n, &at, error) != 0) {
         return -1;
     }
     if (n == 0) {
-        return *self->source.text.line == '\0' ? 0 : refuse(self, token, "expected a wire", error);
+        return *self->source.text.line == '\0'
+                   ? 0
+                   : refuse_token(self, token, "expected a wire", error);
     }
     *to = (struct dg_tap_event){.kind = DG_TAP_FRAME};
     const bool wanted = is_wire(self, token, n);
-    const int found = take_frame(self, &to->frame, error);
+    const int found = take_candump_frame(self, &to->frame, error);
     if (found < 0) {
         return -1;
     }
@@ -214,7 +218,7 @@ static int next(struct explain_source *source, struct dg_tap_event *to, struct l
     struct candump *self = (struct candump *)source;
     int found;
     while ((found = explain_text_next(&source->text, error)) == 1) {
-        const int frame = take_line(self, to, error);
+        const int frame = take_candump_line(self, to, error);
         if (frame != 0) {
             return frame;
         }

@@ -35,7 +35,7 @@ static struct dg_host *host_of(const struct explain_edges *self, enum who who)
 
 /* --- the model --- */
 
-static void live(struct explain_edges *self, enum who who, dg_ns to)
+static void step_host(struct explain_edges *self, enum who who, dg_ns to)
 {
     struct dg_host_event event;
     (void)dg_host_step(host_of(self, who), to);
@@ -47,24 +47,24 @@ static void live(struct explain_edges *self, enum who who, dg_ns to)
 }
 
 /* One of the two is clocked as the recording has it. */
-static void clock(struct explain_edges *self, enum who who)
+static void replay_clock(struct explain_edges *self, enum who who)
 {
     struct explain_frame *said = &self->said[who];
     const struct explain_frame *heard = &self->heard;
     said->count = 0;
     for (size_t i = 0; i < heard->edges; i++) {
         const dg_ns at = self->now + (heard->at[i] - heard->at[0]);
-        live(self, who, at - 1u);
+        step_host(self, who, at - 1u);
         if (!heard->level[i] && said->count < EXPLAIN_BITS_MAX) {
             said->bits[said->count++] = self->levels[who];
         }
         const int level = dg_host_clock(host_of(self, who), at, heard->level[i]);
-        live(self, who, at);
+        step_host(self, who, at);
         self->levels[who] = level >= 0 ? level != 0 : self->levels[who];
     }
 }
 
-static uint64_t number_at(const struct explain_frame *frame, size_t at, unsigned n)
+static uint64_t bits_number_at(const struct explain_frame *frame, size_t at, unsigned n)
 {
     uint64_t value = 0;
     for (size_t i = 0; i < n; i++) {
@@ -82,7 +82,7 @@ static uint64_t from_gray(uint64_t value)
 }
 
 /* Where the probe has told its position. */
-static struct place find_place(const struct explain_edges *self)
+static struct place find_bits(const struct explain_edges *self)
 {
     const struct explain_frame *said = &self->said[PROBE];
     const unsigned n = self->model->bits;
@@ -93,7 +93,7 @@ static struct place find_place(const struct explain_edges *self)
         return place;
     }
     for (place.at = 0; place.at + n <= said->count; place.at++) {
-        const uint64_t value = number_at(said, place.at, n);
+        const uint64_t value = bits_number_at(said, place.at, n);
         place.gray = from_gray(value) == counts;
         place.found = place.gray || value == counts;
         if (place.found) {
@@ -106,17 +106,17 @@ static struct place find_place(const struct explain_edges *self)
 static void replay_once(struct explain_edges *self)
 {
     explain_model_move(self->model, self->now, false);
-    clock(self, PROBE);
-    const struct place place = find_place(self);
+    replay_clock(self, PROBE);
+    const struct place place = find_bits(self);
     if (place.found && place.at + self->model->bits <= self->heard.count) {
-        const uint64_t value = number_at(&self->heard, place.at, self->model->bits);
+        const uint64_t value = bits_number_at(&self->heard, place.at, self->model->bits);
         (void)explain_model_place(self->model, self->now, place.gray ? from_gray(value) : value);
     }
-    clock(self, MODEL);
+    replay_clock(self, MODEL);
     self->now += self->heard.at[self->heard.edges - 1u] - self->heard.at[0];
 }
 
-static bool is_same(const struct explain_edges *self)
+static bool is_same_frame(const struct explain_edges *self)
 {
     const struct explain_frame *model = &self->said[MODEL];
     return self->heard.count == model->count &&
@@ -125,9 +125,9 @@ static bool is_same(const struct explain_edges *self)
 
 /* Where counters in frames stand is not known to who comes later, or behind a frame that is
    missing: a frame is asked for until it is that of the recording. */
-static void align(struct explain_edges *self)
+static void align_clock(struct explain_edges *self)
 {
-    for (unsigned i = 0; i < ROUND && !is_same(self); i++) {
+    for (unsigned i = 0; i < ROUND && !is_same_frame(self); i++) {
         self->now += BETWEEN;
         self->slip += BETWEEN + (self->heard.at[self->heard.edges - 1u] - self->heard.at[0]);
         replay_once(self);
@@ -136,7 +136,7 @@ static void align(struct explain_edges *self)
 
 /* --- frames --- */
 
-static size_t pack(const struct explain_frame *frame, uint8_t bytes[EXPLAIN_BYTES_MAX])
+static size_t pack_bits(const struct explain_frame *frame, uint8_t bytes[EXPLAIN_BYTES_MAX])
 {
     memset(bytes, 0, EXPLAIN_BYTES_MAX);
     for (size_t i = 0; i < frame->count; i++) {
@@ -145,7 +145,7 @@ static size_t pack(const struct explain_frame *frame, uint8_t bytes[EXPLAIN_BYTE
     return (frame->count + 7u) / 8u;
 }
 
-static void compare(struct explain_edges *self, const struct explain_message *came)
+static void compare_frame(struct explain_edges *self, const struct explain_message *came)
 {
     struct explain_said model = {.at = came->at};
     struct explain_difference difference = {.at = came->at, .came = came, .model = &model};
@@ -158,11 +158,11 @@ static void compare(struct explain_edges *self, const struct explain_message *ca
         return;
     }
     if (self->lost) {
-        align(self);
+        align_clock(self);
     }
-    const bool same = is_same(self);
+    const bool same = is_same_frame(self);
     if (!same) {
-        model.n = pack(&self->said[MODEL], model.bytes);
+        model.n = pack_bits(&self->said[MODEL], model.bytes);
         self->differs(self->ctx, &difference);
     }
     self->lost = !same && self->same; /* one that is always different is not looked for */
@@ -179,10 +179,10 @@ static void end_frame(struct explain_edges *self)
     }
     message.at = heard->at[0];
     message.end = heard->at[heard->edges - 1u];
-    message.n = pack(heard, message.bytes);
+    message.n = pack_bits(heard, message.bytes);
     (void)snprintf(message.text, sizeof message.text, "frame of %zu bits", heard->count);
     if (self->model != NULL) {
-        compare(self, &message);
+        compare_frame(self, &message);
     }
     if (heard->count >= BITS_MIN) {
         self->messages++;
@@ -210,7 +210,7 @@ static void take_edge(struct explain_edges *self, dg_ns at, bool level)
     heard->level[heard->edges++] = level;
 }
 
-static void take_event(struct explain_edges *self, const struct dg_tap_event *event)
+static void take_edge_event(struct explain_edges *self, const struct dg_tap_event *event)
 {
     if (!self->begun) {
         self->begun = true;
@@ -244,7 +244,7 @@ int explain_edges_run(struct explain_edges *self, struct lx_error *error)
         }
         self->talk->held = false;
         if (found == 1) {
-            take_event(self, &self->talk->event);
+            take_edge_event(self, &self->talk->event);
         }
     } while (found == 1);
     end_frame(self);

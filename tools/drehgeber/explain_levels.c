@@ -99,8 +99,8 @@ static void end_character(struct explain_levels *self, const struct dg_host_uart
 }
 
 /* The middles of bits up to `at` have the level that the signal had until then. */
-static void sample(struct explain_levels *self, const struct dg_host_uart *uart,
-                   enum explain_side side, dg_ns at)
+static void sample_bits(struct explain_levels *self, const struct dg_host_uart *uart,
+                        enum explain_side side, dg_ns at)
 {
     struct explain_signal *signal = &self->signals[side];
     while (signal->busy) {
@@ -139,8 +139,8 @@ void explain_levels_advance(struct explain_levels *self, const struct dg_host_ua
         event.levels.data = self->signals[EXPLAIN_SECOND].level;
         put_event(self, &event);
     } else if (self->wire == EXPLAIN_CHARACTERS) {
-        sample(self, uart, EXPLAIN_FIRST, at);
-        sample(self, uart, EXPLAIN_SECOND, at);
+        sample_bits(self, uart, EXPLAIN_FIRST, at);
+        sample_bits(self, uart, EXPLAIN_SECOND, at);
     }
     self->changed = false;
 }

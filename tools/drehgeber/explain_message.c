@@ -82,7 +82,8 @@ static void add_side(const struct explain_talk *self, struct explain_message *to
 
 /* --- frames --- */
 
-static int take_frame(struct explain_talk *self, struct explain_message *to, struct lx_error *error)
+static int take_can_frame(struct explain_talk *self, struct explain_message *to,
+                          struct lx_error *error)
 {
     const struct dg_can_frame *frame = &self->event.frame;
     const int found = take_event(self, error);
@@ -142,7 +143,7 @@ static int take_characters(struct explain_talk *self, struct explain_message *to
 int explain_talk_next(struct explain_talk *self, struct explain_message *to, struct lx_error *error)
 {
     *to = (struct explain_message){.at = 0};
-    const int found = self->medium == DG_MEDIUM_FRAMES ? take_frame(self, to, error)
+    const int found = self->medium == DG_MEDIUM_FRAMES ? take_can_frame(self, to, error)
                                                        : take_characters(self, to, error);
     if (found == 1) {
         explain_talk_say(self, to);

@@ -19,7 +19,7 @@
 
 /* --- making --- */
 
-static struct dg_host *make(const struct dg_device *device)
+static struct dg_host *make_host(const struct dg_device *device)
 {
     const struct dg_host_wire *wire = dg_host_wire_of(device);
     const size_t size = dg_host_size(device, wire);
@@ -39,7 +39,8 @@ static int refuse_setting(const char *key, const char *value, const char *what,
     return lx_about(error, LX_ABOUT_SETTING, key, value);
 }
 
-static int set(struct dg_host *host, const char *key, const char *value, struct lx_error *error)
+static int set_setting(struct dg_host *host, const char *key, const char *value,
+                       struct lx_error *error)
 {
     const int result = dg_host_set(host, key, value);
     if (result == DG_HOST_ERR_NAME) {
@@ -77,7 +78,7 @@ static int start_encoder(struct dg_host *host, const struct options *options,
     }
     for (size_t i = 0; i < options->settings.count; i++) {
         const struct dg_plan_setting *row = &options->settings.list[i];
-        if (set(host, row->key, row->value, error) != 0) {
+        if (set_setting(host, row->key, row->value, error) != 0) {
             return -1;
         }
     }
@@ -100,7 +101,7 @@ void explain_model_free(struct explain_model *self)
 /* --- positions --- */
 
 /* A number that follows from the last one, for each place of the probe (a xorshift of 32 bits). */
-static uint32_t draw(struct explain_model *self)
+static uint32_t draw_number(struct explain_model *self)
 {
     uint32_t x = self->seed;
     x ^= x << 13;
@@ -112,8 +113,8 @@ static uint32_t draw(struct explain_model *self)
 
 static int64_t draw_angle(struct explain_model *self)
 {
-    const int64_t turns = (int64_t)(draw(self) & 0xFFFFFFu);
-    return turns * DG_TURN + (int64_t)draw(self);
+    const int64_t turns = (int64_t)(draw_number(self) & 0xFFFFFFu);
+    return turns * DG_TURN + (int64_t)draw_number(self);
 }
 
 static uint64_t position(const struct dg_host *host, dg_ns now)
@@ -134,7 +135,7 @@ static uint64_t distance(uint64_t a, uint64_t b)
 }
 
 /* How positions of this model count. Settings that are made of them stay as they are. */
-static void measure(struct explain_model *self)
+static void measure_model(struct explain_model *self)
 {
     uint64_t all = 0;
     uint64_t turn = UINT64_MAX;
@@ -155,8 +156,8 @@ int explain_model_make(struct explain_model *self, const struct options *options
                        struct lx_error *error)
 {
     *self = (struct explain_model){.seed = 0x2545F491};
-    self->model = make(options->device);
-    self->probe = make(options->device);
+    self->model = make_host(options->device);
+    self->probe = make_host(options->device);
     if (start_encoder(self->model, options, error) != 0 ||
         start_encoder(self->probe, options, error) != 0) {
         explain_model_free(self);
@@ -164,14 +165,14 @@ int explain_model_make(struct explain_model *self, const struct options *options
     }
     (void)dg_host_step(self->model, EXPLAIN_BEGIN);
     (void)dg_host_step(self->probe, EXPLAIN_BEGIN);
-    measure(self);
+    measure_model(self);
     return 0;
 }
 
 void explain_model_move(struct explain_model *self, dg_ns now, bool turning)
 {
     const int64_t angle = draw_angle(self);
-    const int64_t rate = turning ? (int64_t)(draw(self) & RATE_MASK) - RATE_MASK / 2 : 0;
+    const int64_t rate = turning ? (int64_t)(draw_number(self) & RATE_MASK) - RATE_MASK / 2 : 0;
     dg_host_shaft(self->probe, now, angle, rate);
 }
 

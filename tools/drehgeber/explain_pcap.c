@@ -82,7 +82,7 @@ static bool begins(const uint8_t *bytes, size_t n)
     return false;
 }
 
-static int load(struct capture *self, struct lx_error *error)
+static int load_libpcap(struct capture *self, struct lx_error *error)
 {
     self->loaded = dlopen(LIBRARY, RTLD_NOW | RTLD_LOCAL);
     if (self->loaded == NULL) {
@@ -129,7 +129,7 @@ static int open_capture(struct explain_source *source, struct lx_error *error)
 {
     struct capture *self = (struct capture *)source;
     char why[ERROR_MAX] = "";
-    if (load(self, error) != 0 || open_stream(self, error) != 0) {
+    if (load_libpcap(self, error) != 0 || open_stream(self, error) != 0) {
         return -1;
     }
     self->pcap = self->library.open(self->file, NANOSECONDS, why);
@@ -146,7 +146,7 @@ static int open_capture(struct explain_source *source, struct lx_error *error)
 }
 
 /* @return 1; 0: another kind of frame; -1 */
-static int take_frame(const uint8_t *bytes, size_t n, struct dg_can_frame *frame)
+static int take_captured_frame(const uint8_t *bytes, size_t n, struct dg_can_frame *frame)
 {
     if (n < HEAD_SIZE) {
         return -1;
@@ -173,8 +173,8 @@ static dg_ns time_of(const struct packet *packet)
            (fine ? (uint64_t)packet->at.tv_usec : 0);
 }
 
-static int refuse(const struct capture *self, uint64_t offset, const char *what, const char *right,
-                  struct lx_error *error)
+static int refuse_capture(const struct capture *self, uint64_t offset, const char *what,
+                          const char *right, struct lx_error *error)
 {
     return lx_refuse(error, right, "%s:%" PRIu64 ": %s", self->source.text.path, offset, what);
 }
@@ -189,14 +189,14 @@ static int next(struct explain_source *source, struct dg_tap_event *to, struct l
         const int got = self->library.next(self->pcap, &packet, &bytes);
         if (got != PACKET) {
             return got == OVER ? 0
-                               : refuse(self, offset, self->library.why(self->pcap),
-                                        "expected a whole packet", error);
+                               : refuse_capture(self, offset, self->library.why(self->pcap),
+                                                "expected a whole packet", error);
         }
         *to = (struct dg_tap_event){.kind = DG_TAP_FRAME};
-        const int found = take_frame(bytes, packet->captured, &to->frame);
+        const int found = take_captured_frame(bytes, packet->captured, &to->frame);
         if (found < 0) {
-            return refuse(self, offset, "no CAN frame",
-                          "expected a header of 8 bytes, and up to 8 bytes of data", error);
+            return refuse_capture(self, offset, "no CAN frame",
+                                  "expected a header of 8 bytes, and up to 8 bytes of data", error);
         }
         explain_source_stamp(source, time_of(packet), to);
         source->left_out += found == 0 ? 1u : 0u;

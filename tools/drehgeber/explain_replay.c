@@ -59,7 +59,7 @@ static struct explain_said *begin_said(struct explain_voice *voice,
     return said;
 }
 
-static void append(struct explain_said *said, const struct dg_host_event *event)
+static void append_said(struct explain_said *said, const struct dg_host_event *event)
 {
     const size_t room = sizeof said->bytes - said->n;
     const size_t n = event->length < room ? event->length : room;
@@ -68,36 +68,36 @@ static void append(struct explain_said *said, const struct dg_host_event *event)
 }
 
 /* Characters are one message: an encoder says one at a time. */
-static void hear(struct explain_replay *self, enum who who, const struct dg_host_event *event)
+static void hear_event(struct explain_replay *self, enum who who, const struct dg_host_event *event)
 {
     struct explain_voice *voice = &self->voices[who];
     if (event->kind == DG_HOST_BYTES && event->length > 0 && (event->flags & DG_HOST_START) == 0) {
         const bool more = voice->count > 0;
         struct explain_said *said = more ? &voice->said[0] : begin_said(voice, event);
-        append(said, event);
+        append_said(said, event);
         self->busy = event->at + (dg_ns)event->length * event->id;
     } else if (event->kind == DG_HOST_CAN) {
         struct explain_said *said = begin_said(voice, event);
         if (said != NULL) {
             said->key = event->id | ((event->flags & DG_HOST_REMOTE) != 0 ? EXPLAIN_REMOTE : 0u);
-            append(said, event);
+            append_said(said, event);
         }
     }
 }
 
-static void live(struct explain_replay *self, enum who who, dg_ns to)
+static void step_encoder(struct explain_replay *self, enum who who, dg_ns to)
 {
     struct dg_host *host = who == MODEL ? self->model->model : self->model->probe;
     struct dg_host_event event;
     (void)dg_host_step(host, to);
     while (dg_host_receive(host, &event) != 0) {
-        hear(self, who, &event);
+        hear_event(self, who, &event);
     }
 }
 
 /* --- positions --- */
 
-static uint64_t number_at(const uint8_t *bytes, const struct place *place)
+static uint64_t bytes_number_at(const uint8_t *bytes, const struct place *place)
 {
     uint64_t value = 0;
     for (size_t i = 0; i < place->width; i++) {
@@ -114,7 +114,7 @@ static bool is_position(const struct explain_replay *self, uint64_t value, uint6
 }
 
 /* Where the probe has told its position. */
-static struct place find_place(const struct explain_replay *self, const struct explain_said *said)
+static struct place find_bytes(const struct explain_replay *self, const struct explain_said *said)
 {
     struct place place = {.width = WIDTH_MAX};
     const size_t least = (self->model->bits + 7u) / 8u;
@@ -127,7 +127,7 @@ static struct place find_place(const struct explain_replay *self, const struct e
         for (place.at = 0; place.at + place.width <= said->n; place.at++) {
             for (unsigned order = 0; order < 2u; order++) {
                 place.least_first = order == 1u;
-                if (is_position(self, number_at(said->bytes, &place), position)) {
+                if (is_position(self, bytes_number_at(said->bytes, &place), position)) {
                     return place;
                 }
             }
@@ -161,7 +161,7 @@ static uint64_t find_partner(struct explain_replay *self, const struct explain_s
 }
 
 /* What is known of a kind of message; the last row is for those that no row is left for. */
-static struct explain_kind *kind_of(struct explain_replay *self, uint32_t key)
+static struct explain_kind *message_kind_of(struct explain_replay *self, uint32_t key)
 {
     size_t i = 0;
     while (i < self->kind_count && self->kinds[i].key != key) {
@@ -180,8 +180,8 @@ static dg_ns recorded_time(const struct explain_replay *self, dg_ns at)
 }
 
 /* One of the two is not NULL. */
-static void tell(struct explain_replay *self, const struct explain_message *came,
-                 const struct explain_said *model, bool solicited)
+static void tell_difference(struct explain_replay *self, const struct explain_message *came,
+                            const struct explain_said *model, bool solicited)
 {
     const struct explain_difference difference = {
         .at = came != NULL    ? came->at
@@ -206,8 +206,8 @@ static bool is_turning(const struct partner *partner, const struct explain_said 
 }
 
 /* Frames have their check sums in hardware; of characters every byte counts. */
-static bool is_same(const struct explain_replay *self, const struct partner *partner,
-                    const struct explain_message *came, size_t index)
+static bool is_same_message(const struct explain_replay *self, const struct partner *partner,
+                            const struct explain_message *came, size_t index)
 {
     const struct explain_said *model = &self->voices[MODEL].said[index];
     const struct explain_said *probe = &self->voices[PROBE].said[index];
@@ -228,11 +228,11 @@ static bool is_same(const struct explain_replay *self, const struct partner *par
 static void tell_surplus(struct explain_replay *self, const struct explain_said *model,
                          bool solicited)
 {
-    struct explain_kind *kind = kind_of(self, model->key);
+    struct explain_kind *kind = message_kind_of(self, model->key);
     const dg_ns since = dg_elapsed(recorded_time(self, model->at), kind->matched);
     const bool usual = kind->known && since <= WINDOW;
     if (solicited || (!usual && !kind->missing)) {
-        tell(self, NULL, model, solicited);
+        tell_difference(self, NULL, model, solicited);
         kind->missing |= !solicited;
     }
 }
@@ -242,14 +242,14 @@ static void tell_surplus(struct explain_replay *self, const struct explain_said 
 /* The first of its kind behind a request that it was not going to say anyway. */
 static bool is_solicited(struct explain_replay *self, const struct explain_said *said)
 {
-    struct explain_kind *kind = kind_of(self, said->key);
+    struct explain_kind *kind = message_kind_of(self, said->key);
     const bool first = kind->answered != self->asked + 1u;
     kind->answered = self->asked + 1u;
     return self->was_asked && (!self->frames || (first && said->at < self->planned));
 }
 
 /* What the probe has said tells where the model's shaft is to be. */
-static void place_shaft(struct explain_replay *self, struct partner partners[EXPLAIN_SAID])
+static void place_model_shaft(struct explain_replay *self, struct partner partners[EXPLAIN_SAID])
 {
     const struct explain_voice *voice = &self->voices[PROBE];
     bool placed = false;
@@ -258,7 +258,7 @@ static void place_shaft(struct explain_replay *self, struct partner partners[EXP
         struct partner *partner = &partners[i];
         *partner = (struct partner){.solicited = is_solicited(self, said)};
         partner->index = find_partner(self, said, partner->solicited);
-        partner->place = find_place(self, said);
+        partner->place = find_bytes(self, said);
         partner->elsewhere = placed;
         if (partner->index == self->end) {
             continue;
@@ -267,13 +267,13 @@ static void place_shaft(struct explain_replay *self, struct partner partners[EXP
         message->matched = true;
         if (!placed && partner->place.at != NOWHERE && message->n == said->n) {
             (void)explain_model_place(self->model, self->now,
-                                      number_at(message->bytes, &partner->place));
+                                      bytes_number_at(message->bytes, &partner->place));
             placed = true;
         }
     }
 }
 
-static void compare(struct explain_replay *self, const struct partner partners[EXPLAIN_SAID])
+static void compare_voices(struct explain_replay *self, const struct partner partners[EXPLAIN_SAID])
 {
     const struct explain_voice *model = &self->voices[MODEL];
     const struct explain_voice *probe = &self->voices[PROBE];
@@ -285,12 +285,12 @@ static void compare(struct explain_replay *self, const struct partner partners[E
             continue;
         }
         const struct explain_message *came = message_at(self, partners[i].index);
-        struct explain_kind *kind = kind_of(self, said->key);
+        struct explain_kind *kind = message_kind_of(self, said->key);
         kind->known = true;
         kind->matched = came->at;
         kind->spontaneous |= !partners[i].solicited;
-        if (!is_same(self, &partners[i], came, i)) {
-            tell(self, came, said, partners[i].solicited);
+        if (!is_same_message(self, &partners[i], came, i)) {
+            tell_difference(self, came, said, partners[i].solicited);
         }
     }
 }
@@ -322,14 +322,14 @@ static void live_both(struct explain_replay *self, dg_ns to, const struct explai
     if (message != NULL) {
         send_message(self->model->probe, message, self->frames, to);
     }
-    live(self, PROBE, to);
-    place_shaft(self, partners);
+    step_encoder(self, PROBE, to);
+    place_model_shaft(self, partners);
     if (message != NULL) {
         send_message(self->model->model, message, self->frames, to);
     }
-    live(self, MODEL, to);
+    step_encoder(self, MODEL, to);
     self->now = to;
-    compare(self, partners);
+    compare_voices(self, partners);
 }
 
 /* Deadline after deadline, so that what is said is seen before the model says it. */
@@ -347,7 +347,7 @@ static void live_until(struct explain_replay *self, dg_ns to)
 /* --- the recording --- */
 
 /* Up to a second behind the next message, as far as there is room. */
-static int fill(struct explain_replay *self, struct lx_error *error)
+static int fill_ring(struct explain_replay *self, struct lx_error *error)
 {
     while (!self->over && self->end - self->first < EXPLAIN_RING) {
         struct explain_message *last = message_at(self, self->end);
@@ -369,7 +369,7 @@ static int fill(struct explain_replay *self, struct lx_error *error)
 /* What comes by itself may come at another pace. */
 static bool is_usual(struct explain_replay *self, const struct explain_message *message)
 {
-    const struct explain_kind *kind = kind_of(self, message->key);
+    const struct explain_kind *kind = message_kind_of(self, message->key);
     return self->frames && kind->spontaneous && dg_elapsed(message->at, kind->matched) <= WINDOW;
 }
 
@@ -379,18 +379,18 @@ static bool is_open(const struct explain_message *message)
 }
 
 /* Nobody will answer it any more. */
-static void drop(struct explain_replay *self)
+static void drop_message(struct explain_replay *self)
 {
     const struct explain_message *message = message_at(self, self->first);
     if (is_open(message) && !is_usual(self, message)) {
-        tell(self, message, NULL, false);
+        tell_difference(self, message, NULL, false);
     }
     self->messages += message->ours && !message->other ? 1u : 0u;
     self->first++;
 }
 
 /* What is long ago, and what the model has answered; anything if there is no room. */
-static void forget(struct explain_replay *self)
+static void forget_messages(struct explain_replay *self)
 {
     while (self->first < self->next) {
         const struct explain_message *message = message_at(self, self->first);
@@ -398,7 +398,7 @@ static void forget(struct explain_replay *self)
         if (is_open(message) && model_time(self, message->at) + WINDOW > self->now && !full) {
             return;
         }
-        drop(self);
+        drop_message(self);
     }
 }
 
@@ -430,7 +430,7 @@ static void cycle_power(struct explain_replay *self)
 }
 
 /* Everything the encoder has said up to now gets its partner, or is told to have none. */
-static void settle(struct explain_replay *self)
+static void settle_messages(struct explain_replay *self)
 {
     for (uint64_t i = self->first; i < self->next; i++) {
         struct explain_message *message = message_at(self, i);
@@ -444,7 +444,7 @@ static void settle(struct explain_replay *self)
         }
         message->waited = !message->matched;
         if (message->waited) {
-            tell(self, message, NULL, true);
+            tell_difference(self, message, NULL, true);
         }
     }
 }
@@ -461,9 +461,9 @@ static dg_ns live_along(struct explain_replay *self, dg_ns recorded)
 }
 
 /* Ask the model what the encoder was asked. */
-static void ask(struct explain_replay *self, const struct explain_message *message)
+static void ask_model(struct explain_replay *self, const struct explain_message *message)
 {
-    settle(self);
+    settle_messages(self);
     const dg_ns at = live_along(self, message->at);
     const dg_ns free = self->busy + SILENCE * (dg_ns)message->each;
     live_until(self, free);
@@ -481,7 +481,7 @@ static void take_next(struct explain_replay *self)
 {
     const struct explain_message *message = message_at(self, self->next);
     if (!message->ours && !message->other) {
-        ask(self, message);
+        ask_model(self, message);
     } else if (!message->other) {
         (void)live_along(self, message->at);
     }
@@ -489,11 +489,11 @@ static void take_next(struct explain_replay *self)
 }
 
 /* What is said at power-on. */
-static void begin(struct explain_replay *self)
+static void begin_replay(struct explain_replay *self)
 {
     explain_model_move(self->model, EXPLAIN_BEGIN, self->frames);
-    live(self, PROBE, EXPLAIN_BEGIN);
-    live(self, MODEL, EXPLAIN_BEGIN);
+    step_encoder(self, PROBE, EXPLAIN_BEGIN);
+    step_encoder(self, MODEL, EXPLAIN_BEGIN);
     if (self->frames && self->voices[PROBE].count > 0) {
         self->greeting = self->voices[PROBE].said[0];
     }
@@ -502,21 +502,21 @@ static void begin(struct explain_replay *self)
 
 int explain_replay_run(struct explain_replay *self, struct lx_error *error)
 {
-    begin(self);
+    begin_replay(self);
     for (;;) {
-        if (fill(self, error) != 0) {
+        if (fill_ring(self, error) != 0) {
             return -1;
         }
         if (self->next == self->end) {
             break;
         }
         take_next(self);
-        forget(self);
+        forget_messages(self);
     }
-    settle(self);
+    settle_messages(self);
     live_until(self, self->now + WINDOW);
     while (self->first < self->end) {
-        drop(self);
+        drop_message(self);
     }
     return 0;
 }

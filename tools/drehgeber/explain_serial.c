@@ -28,7 +28,7 @@ static bool begins(const uint8_t *bytes, size_t n)
 }
 
 /* "8E1" */
-static bool take_frame(struct serial *self, const char *token, size_t n)
+static bool take_character_frame(struct serial *self, const char *token, size_t n)
 {
     if (n != 3u || token[0] != '8' || strchr("NEO", token[1]) == NULL || token[2] != '1') {
         return false;
@@ -46,7 +46,7 @@ static int take_setting(struct serial *self, const char *at, uint64_t baud, stru
         return explain_text_refuse(&self->source.text, at, "no data rate of a line",
                                    "expected 100 to 10000000", error);
     }
-    if (!take_frame(self, token, n)) {
+    if (!take_character_frame(self, token, n)) {
         return explain_text_refuse(&self->source.text, token, "no setting of a line",
                                    "expected 8E1, 8O1 or 8N1", error);
     }

@@ -16,7 +16,7 @@
 /* --- lines --- */
 
 /* Move what is left to the front, and read on. */
-static void fill(struct explain_text *self)
+static void fill_room(struct explain_text *self)
 {
     memmove(self->room, self->room + self->begin, self->end - self->begin);
     self->end -= self->begin;
@@ -27,7 +27,7 @@ static void fill(struct explain_text *self)
 }
 
 /* A line of `n` characters that stands at `begin`. */
-static int take_line(struct explain_text *self, size_t n, struct lx_error *error)
+static int take_text_line(struct explain_text *self, size_t n, struct lx_error *error)
 {
     char *line = self->room + self->begin;
     self->line = line;
@@ -51,17 +51,17 @@ int explain_text_next(struct explain_text *self, struct lx_error *error)
         const size_t n = self->end - self->begin;
         const char *end = memchr(self->room + self->begin, '\n', n);
         if (end != NULL) {
-            return take_line(self, (size_t)(end - self->room) - self->begin, error);
+            return take_text_line(self, (size_t)(end - self->room) - self->begin, error);
         }
         if (self->over) {
-            return n == 0 ? 0 : take_line(self, n, error);
+            return n == 0 ? 0 : take_text_line(self, n, error);
         }
         if (n >= EXPLAIN_LINE_MAX - 1u) {
             self->line = self->room + self->begin;
             return explain_text_refuse(self, self->line, "a line without an end",
                                        "expected lines of less than 4096 characters", error);
         }
-        fill(self);
+        fill_room(self);
     }
 }
 

@@ -78,8 +78,8 @@ static bool begins(const uint8_t *bytes, size_t n)
     return n >= 4u && memcmp(bytes, "PK\x03\x04", 4) == 0;
 }
 
-static int refuse(const struct session *self, const char *what, const char *right,
-                  struct lx_error *error)
+static int refuse_sample(const struct session *self, const char *what, const char *right,
+                         struct lx_error *error)
 {
     return lx_refuse(error, right, "%s:0: %s, in sample %" PRIu64, self->source.text.path, what,
                      self->index);
@@ -87,7 +87,7 @@ static int refuse(const struct session *self, const char *what, const char *righ
 
 /* --- the file --- */
 
-static int load(struct session *self, struct lx_error *error)
+static int load_libzip(struct session *self, struct lx_error *error)
 {
     self->loaded = dlopen(LIBRARY, RTLD_NOW | RTLD_LOCAL);
     if (self->loaded == NULL) {
@@ -174,7 +174,7 @@ static bool is_key(const char *line, size_t n, const char *key)
     return strlen(key) == n && strncmp(line, key, n) == 0;
 }
 
-static void take_line(struct session *self, const char *line, size_t n)
+static void take_metadata_line(struct session *self, const char *line, size_t n)
 {
     const char *sign = memchr(line, '=', n);
     const size_t key = sign == NULL ? 0 : (size_t)(sign - line);
@@ -198,7 +198,7 @@ static void take_metadata(struct session *self, const char *text, size_t n)
     while (n > 0) {
         const char *end = memchr(text, '\n', n);
         const size_t length = end == NULL ? n : (size_t)(end - text);
-        take_line(self, text, length);
+        take_metadata_line(self, text, length);
         n -= end == NULL ? length : length + 1u;
         text += length + 1u;
     }
@@ -207,16 +207,16 @@ static void take_metadata(struct session *self, const char *text, size_t n)
 static int check_metadata(const struct session *self, struct lx_error *error)
 {
     if (!explain_levels_whole(&self->levels)) {
-        return refuse(self, "no wire", explain_levels_right, error);
+        return refuse_sample(self, "no wire", explain_levels_right, error);
     }
     if (self->rate == 0 || self->rate > RATE_MAX || self->unit == 0 || self->name[0] == '\0') {
-        return refuse(self, "no samples", "expected capturefile, samplerate and unitsize of 1 to 8",
-                      error);
+        return refuse_sample(self, "no samples",
+                             "expected capturefile, samplerate and unitsize of 1 to 8", error);
     }
     for (size_t i = 0; i < EXPLAIN_SIDES; i++) {
         if (self->probes[i] >= 8u * self->unit) {
-            return refuse(self, "a probe that no sample has",
-                          "expected probes that fit the unitsize", error);
+            return refuse_sample(self, "a probe that no sample has",
+                                 "expected probes that fit the unitsize", error);
         }
     }
     return 0;
@@ -225,13 +225,13 @@ static int check_metadata(const struct session *self, struct lx_error *error)
 static int read_metadata(struct session *self, struct lx_error *error)
 {
     if (!open_member(self, "metadata")) {
-        return refuse(self, "no session of sigrok", "expected a member 'metadata'", error);
+        return refuse_sample(self, "no session of sigrok", "expected a member 'metadata'", error);
     }
     const int64_t n = self->library.read(self->member, self->buffer, sizeof self->buffer);
     close_member(self);
     if (n < 0 || n == (int64_t)sizeof self->buffer) {
-        return refuse(self, "metadata that cannot be read", "expected less than 16384 characters",
-                      error);
+        return refuse_sample(self, "metadata that cannot be read",
+                             "expected less than 16384 characters", error);
     }
     take_metadata(self, (const char *)self->buffer, (size_t)n);
     return check_metadata(self, error);
@@ -242,12 +242,12 @@ static int open_session(struct explain_source *source, struct lx_error *error)
     struct session *self = (struct session *)source;
     int why = 0;
     source->sided = true;
-    if (load(self, error) != 0) {
+    if (load_libzip(self, error) != 0) {
         return -1;
     }
     if (!has_small_directory(source->text.file)) {
-        return refuse(self, "no zip file of sigrok", "expected a directory of up to a megabyte",
-                      error);
+        return refuse_sample(self, "no zip file of sigrok",
+                             "expected a directory of up to a megabyte", error);
     }
     const int fd = dup(fileno(source->text.file));
     self->zip = fd < 0 ? NULL : self->library.open(fd, 0, &why); /* has its own of it then */
@@ -255,7 +255,7 @@ static int open_session(struct explain_source *source, struct lx_error *error)
         if (fd >= 0) {
             (void)close(fd);
         }
-        return refuse(self, "no zip file", "expected a session of sigrok", error);
+        return refuse_sample(self, "no zip file", "expected a session of sigrok", error);
     }
     return read_metadata(self, error);
 }
@@ -280,7 +280,7 @@ static bool open_part(struct session *self)
 }
 
 /* @return 1: there is a whole sample; 0: it is all over; -1 */
-static int fill(struct session *self, struct lx_error *error)
+static int fill_samples(struct session *self, struct lx_error *error)
 {
     while (self->end - self->begin < self->unit) {
         if (self->member == NULL && !open_part(self)) {
@@ -292,8 +292,8 @@ static int fill(struct session *self, struct lx_error *error)
         const int64_t n = self->library.read(self->member, self->buffer + self->end,
                                              sizeof self->buffer - self->end);
         if (n < 0) {
-            return refuse(self, "samples that cannot be unpacked", "expected a whole member",
-                          error);
+            return refuse_sample(self, "samples that cannot be unpacked", "expected a whole member",
+                                 error);
         }
         self->end += (size_t)n;
         if (n == 0) {
@@ -337,7 +337,7 @@ static int next(struct explain_source *source, struct dg_tap_event *to, struct l
 {
     struct session *self = (struct session *)source;
     while (!explain_levels_take(&self->levels, to)) {
-        const int found = self->over ? 0 : fill(self, error);
+        const int found = self->over ? 0 : fill_samples(self, error);
         if (found < 0 || self->over) {
             return found;
         }

@@ -31,8 +31,8 @@ static bool is_word(const char *token, size_t n, const char *word)
     return strlen(word) == n && strncmp(token, word, n) == 0;
 }
 
-static int refuse(const struct vcd *self, const char *at, const char *what, const char *right,
-                  struct lx_error *error)
+static int refuse_vcd(const struct vcd *self, const char *at, const char *what, const char *right,
+                      struct lx_error *error)
 {
     return explain_text_refuse(&self->source.text, at, what, right, error);
 }
@@ -76,10 +76,11 @@ static int take_step(struct vcd *self, const char *token, size_t n, struct lx_er
             return 0;
         }
     }
-    return refuse(self, token, "no timescale", "expected 1, 10 or 100 s, ms, us, ns or ps", error);
+    return refuse_vcd(self, token, "no timescale", "expected 1, 10 or 100 s, ms, us, ns or ps",
+                      error);
 }
 
-static void take_name(struct vcd *self, const char *id, const char *name, size_t length)
+static void take_signal_name(struct vcd *self, const char *id, const char *name, size_t length)
 {
     const enum explain_side side = explain_levels_find(&self->levels, name, length);
     if (side != EXPLAIN_SIDES) {
@@ -97,8 +98,8 @@ static int take_variable(struct vcd *self, struct lx_error *error)
     for (unsigned i = 0; i < 4u; i++) {
         size_t n = 0;
         if (take_token(self, &token, &n, error) != 1 || is_word(token, n, "$end")) {
-            return refuse(self, self->source.text.token, "no variable",
-                          "expected $var TYPE WIDTH ID NAME $end", error);
+            return refuse_vcd(self, self->source.text.token, "no variable",
+                              "expected $var TYPE WIDTH ID NAME $end", error);
         }
         if (i == 1u) {
             one = is_word(token, n, "1");
@@ -106,14 +107,14 @@ static int take_variable(struct vcd *self, struct lx_error *error)
             id_length = n < sizeof id ? n : 0; /* no signal of a wire has a longer one */
             memcpy(id, token, id_length);
         } else if (i == 3u && one && id_length > 0) {
-            take_name(self, id, token, n);
+            take_signal_name(self, id, token, n);
         }
     }
     return 0;
 }
 
 /* Everything up to $end. */
-static int skip(struct vcd *self, struct lx_error *error)
+static int skip_section(struct vcd *self, struct lx_error *error)
 {
     const char *token;
     size_t n;
@@ -124,8 +125,8 @@ static int skip(struct vcd *self, struct lx_error *error)
         }
     }
     return found < 0 ? -1
-                     : refuse(self, self->source.text.token, "the file ends here", "expected $end",
-                              error);
+                     : refuse_vcd(self, self->source.text.token, "the file ends here",
+                                  "expected $end", error);
 }
 
 /* A section of the header. @return 1; 0: it was the last one; -1 */
@@ -138,8 +139,8 @@ static int take_section(struct vcd *self, struct lx_error *error)
         return -1;
     }
     if (found == 0 || token[0] != '$') {
-        return refuse(self, found == 0 ? self->source.text.token : token, "no header",
-                      "expected $enddefinitions", error);
+        return refuse_vcd(self, found == 0 ? self->source.text.token : token, "no header",
+                          "expected $enddefinitions", error);
     }
     const bool last = is_word(token, n, "$enddefinitions");
     int result = 0;
@@ -149,7 +150,7 @@ static int take_section(struct vcd *self, struct lx_error *error)
     } else if (is_word(token, n, "$var")) {
         result = take_variable(self, error);
     }
-    return result != 0 || skip(self, error) != 0 ? -1 : !last;
+    return result != 0 || skip_section(self, error) != 0 ? -1 : !last;
 }
 
 static int open_vcd(struct explain_source *source, struct lx_error *error)
@@ -161,7 +162,7 @@ static int open_vcd(struct explain_source *source, struct lx_error *error)
     while ((found = take_section(self, error)) == 1) {
     }
     if (found == 0 && !explain_levels_whole(&self->levels)) {
-        return refuse(self, self->source.text.token, "no wire", explain_levels_right, error);
+        return refuse_vcd(self, self->source.text.token, "no wire", explain_levels_right, error);
     }
     return found;
 }
@@ -169,19 +170,20 @@ static int open_vcd(struct explain_source *source, struct lx_error *error)
 /* --- what changes --- */
 
 /* "#4711" */
-static int take_time(struct vcd *self, const char *token, size_t n, struct lx_error *error)
+static int take_vcd_time(struct vcd *self, const char *token, size_t n, struct lx_error *error)
 {
     uint64_t value;
     const uint64_t most =
         DG_S(UINT64_C(10000000000)) / (self->step < 1000u ? 1u : self->step / 1000u);
     if (n < 2u || explain_number(token + 1, n - 1u, &value) != n - 1u || value > most) {
-        return refuse(self, token, "no time", "expected # and a number that fits the timescale",
-                      error);
+        return refuse_vcd(self, token, "no time", "expected # and a number that fits the timescale",
+                          error);
     }
     const dg_ns at =
         self->step < 1000u ? value / (1000u / self->step) : value * (self->step / 1000u);
     if (at < self->levels.now) {
-        return refuse(self, token, "a time before the last one", "expected one behind it", error);
+        return refuse_vcd(self, token, "a time before the last one", "expected one behind it",
+                          error);
     }
     if (at > self->levels.now) {
         explain_levels_advance(&self->levels, &self->source.uart, at);
@@ -208,15 +210,15 @@ static int take_change(struct vcd *self, const char *token, size_t n, struct lx_
         return 0;
     }
     if (first == '\0' || strchr("bBrRs", first) == NULL) {
-        return refuse(self, token, "no change of a signal",
-                      "expected #TIME, 0ID, 1ID, bBITS ID, rNUMBER ID or sTEXT ID", error);
+        return refuse_vcd(self, token, "no change of a signal",
+                          "expected #TIME, 0ID, 1ID, bBITS ID, rNUMBER ID or sTEXT ID", error);
     }
     const char level = token[n - 1u];
     const int found = take_token(self, &token, &n, error);
     if (found != 1) {
         return found < 0 ? -1
-                         : refuse(self, self->source.text.token, "the file ends here",
-                                  "expected the ID of a signal", error);
+                         : refuse_vcd(self, self->source.text.token, "the file ends here",
+                                      "expected the ID of a signal", error);
     }
     if (first == 'b' || first == 'B') {
         take_level(self, token, n, level != '0');
@@ -242,9 +244,9 @@ static int take_command(struct vcd *self, struct lx_error *error)
     }
     int result;
     if (token[0] == '#') {
-        result = take_time(self, token, n, error);
+        result = take_vcd_time(self, token, n, error);
     } else if (token[0] == '$') {
-        result = is_block(token, n) ? 0 : skip(self, error);
+        result = is_block(token, n) ? 0 : skip_section(self, error);
     } else {
         result = take_change(self, token, n, error);
     }

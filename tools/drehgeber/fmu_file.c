@@ -48,7 +48,7 @@ struct making {
 
 /* --- the parts --- */
 
-static int load(struct making *self, const char *name, struct text *to)
+static int load_file(struct making *self, const char *name, struct text *to)
 {
     char path[4400];
     (void)snprintf(path, sizeof path, "%s%s", self->folder, name);
@@ -91,7 +91,7 @@ static int find_folder(struct making *self)
 /* Names, a line each. */
 static int take_list(struct making *self)
 {
-    if (load(self, "sources.list", &self->list) != 0) {
+    if (load_file(self, "sources.list", &self->list) != 0) {
         return -1;
     }
     for (char *at = strtok(self->list.bytes, "\n"); at != NULL; at = strtok(NULL, "\n")) {
@@ -141,7 +141,8 @@ static int put_setting(struct making *self, struct dg_host *trial, const char *k
     return 0;
 }
 
-static int put_settings(struct making *self, const struct dg_plan_encoder *encoder, FILE *to)
+static int put_encoder_settings(struct making *self, const struct dg_plan_encoder *encoder,
+                                FILE *to)
 {
     const struct dg_key *address = dg_plan_address_row(encoder->model);
     const struct dg_host_wire *wire = dg_host_wire_of(encoder->model);
@@ -258,7 +259,7 @@ static int put_encoder(struct making *self, const struct dg_plan *plan, size_t i
     if (owner != index) {
         (void)fprintf(to, "@%zu", owner);
     }
-    return result == 0 ? put_settings(self, encoder, to) : result;
+    return result == 0 ? put_encoder_settings(self, encoder, to) : result;
 }
 
 static int make_token(struct making *self, const struct dg_plan *plan)
@@ -280,7 +281,7 @@ static int make_token(struct making *self, const struct dg_plan *plan)
 
 /* --- the archive --- */
 
-static int describe(struct making *self, const struct fmu_about *about)
+static int describe_fmu(struct making *self, const struct fmu_about *about)
 {
     FILE *to = open_memstream(&self->description.bytes, &self->description.n);
     if (to == NULL) {
@@ -293,7 +294,7 @@ static int describe(struct making *self, const struct fmu_about *about)
 static int add_file(struct making *self, struct zip *zip, const char *name, const char *as)
 {
     struct text text = {0};
-    const int result = load(self, name, &text);
+    const int result = load_file(self, name, &text);
     if (result == 0) {
         zip_add(zip, as, text.bytes, text.n);
     }
@@ -341,7 +342,7 @@ static bool is_for(const struct making *self, const char *source)
     return strstr(source, self->version == 2 ? "/fmi3.c" : "/fmi2.c") == NULL;
 }
 
-static int add_sources(struct making *self, struct zip *zip)
+static int add_source_files(struct making *self, struct zip *zip)
 {
     int result = 0;
     for (size_t i = 0; i < self->source_count && result == 0; i++) {
@@ -352,7 +353,7 @@ static int add_sources(struct making *self, struct zip *zip)
     return result;
 }
 
-static int add_all(struct making *self, struct zip *zip, const struct fmu_about *about)
+static int add_members(struct making *self, struct zip *zip, const struct fmu_about *about)
 {
     const char *object = self->version == 2 ? "fmi2.so" : "fmi3.so";
     const char *as = self->version == 2 ? "binaries/" DREHGEBER_FMU_PLATFORM_2 "/drehgeber.so"
@@ -371,7 +372,7 @@ static int add_all(struct making *self, struct zip *zip, const struct fmu_about 
         (void)snprintf(name, sizeof name, "resources/%s", resource->name);
         zip_add(zip, name, resource->bytes, resource->n);
     }
-    return result != 0 ? result : add_sources(self, zip);
+    return result != 0 ? result : add_source_files(self, zip);
 }
 
 static bool is_same_file(const char *one, const char *other)
@@ -413,14 +414,14 @@ static int make_archive(struct making *self, const char *name, struct text *to)
             compiled[about.source_count++] = self->sources[i];
         }
     }
-    if (describe(self, &about) != 0) {
+    if (describe_fmu(self, &about) != 0) {
         return -1;
     }
     struct zip zip = {.to = open_memstream(&to->bytes, &to->n)};
     if (zip.to == NULL) {
         return lx_fail(&self->error, "no memory for an FMU");
     }
-    int result = add_all(self, &zip, &about);
+    int result = add_members(self, &zip, &about);
     const bool bad = zip_end(&zip) != 0;
     if ((fclose(zip.to) != 0 || bad) && result == 0) {
         result = lx_fail(&self->error, "no memory for an FMU");
@@ -428,7 +429,7 @@ static int make_archive(struct making *self, const char *name, struct text *to)
     return result;
 }
 
-static int write_file(struct making *self, const char *name, const char *output)
+static int write_archive(struct making *self, const char *name, const char *output)
 {
     struct text archive = {0};
     int result = make_archive(self, name, &archive);
@@ -440,7 +441,7 @@ static int write_file(struct making *self, const char *name, const char *output)
     return result;
 }
 
-static int make(struct making *self, const struct dg_plan *plan, const char *output)
+static int make_fmu(struct making *self, const struct dg_plan *plan, const char *output)
 {
     if (find_folder(self) != 0 || take_list(self) != 0) {
         return -1;
@@ -449,7 +450,7 @@ static int make(struct making *self, const struct dg_plan *plan, const char *out
     if (self->fmu == NULL) {
         return lx_fail(&self->error, "no memory for the encoders");
     }
-    return write_file(self, plan->name, output);
+    return write_archive(self, plan->name, output);
 }
 
 static int take_version(const char *text, struct making *self)
@@ -495,7 +496,7 @@ int fmu_command(const struct options *options)
     } else if (!is_named(options->output)) {
         lx_complain("--output %s: expected %s.fmu", options->output, options->output);
         status = EXIT_USAGE;
-    } else if (make(&self, &plan, options->output) != 0) {
+    } else if (make_fmu(&self, &plan, options->output) != 0) {
         status = complain(&self.error, EXIT_OTHER);
     } else if (plan.file != NULL) {
         tell_left_out(&plan);

@@ -94,8 +94,8 @@ static struct eds_file *open_file(const struct fmu_models *self, const struct dg
     return NULL;
 }
 
-static int put_file(struct fmu_models *self, const struct dg_device *model, FILE *to,
-                    struct lx_error *error)
+static int put_eds_file(struct fmu_models *self, const struct dg_device *model, FILE *to,
+                        struct lx_error *error)
 {
     struct eds_file *given = self->options->eds;
     const bool own = given != NULL && &given->encoder.device == model;
@@ -127,8 +127,8 @@ static const struct dg_plan_model *row_in(const struct dg_plan *plan, const stru
 
 /* The section of a model: of the rig, of the file that was named, of those whose models it names.
  */
-static const struct dg_plan_model *row_of(const struct fmu_models *self,
-                                          const struct dg_device *model)
+static const struct dg_plan_model *section_of(const struct fmu_models *self,
+                                              const struct dg_device *model)
 {
     const struct dg_plan_model *row = row_in(self->plan, model);
     const struct model_file *file = self->options->file;
@@ -164,8 +164,8 @@ static void *make_trial(const struct dg_model_text *text, const struct dg_device
     return trial;
 }
 
-static int put_text(const struct dg_device *base, const struct dg_device *model, FILE *to,
-                    struct lx_error *error)
+static int put_model_text(const struct dg_device *base, const struct dg_device *model, FILE *to,
+                          struct lx_error *error)
 {
     const struct dg_model_text *text = dg_model_text_of(base->stack);
     (void)fprintf(to, "%s:%s", model->name, base->name);
@@ -195,15 +195,15 @@ int fmu_models_put(struct fmu_models *self, const struct dg_device *model, FILE 
     const struct dg_device *base = model;
     const struct dg_plan_model *row = NULL;
     do {
-        row = row_of(self, base);
+        row = section_of(self, base);
         base = row == NULL ? base : row->base;
     } while (row != NULL);
     if (dg_device_find(base->name) != base) {
-        return put_file(self, model, to, error);
+        return put_eds_file(self, model, to, error);
     }
     if (base == model) {
         (void)fputs(model->name, to);
         return 0;
     }
-    return put_text(base, model, to, error);
+    return put_model_text(base, model, to, error);
 }

@@ -60,7 +60,7 @@ static int eds(const struct options *options)
     return flushed();
 }
 
-static int check(const struct options *options)
+static int check_file(const struct options *options)
 {
     if (!eds_file_is(options->model)) {
         lx_complain("check needs an EDS or DCF file; expected 'drehgeber check FILE.eds'");
@@ -162,7 +162,7 @@ static int version(const struct options *options)
     return flushed();
 }
 
-static int ask(const struct options *options)
+static int ask_command(const struct options *options)
 {
     return options->row->ask(options);
 }
@@ -174,10 +174,10 @@ static int (*const acts[])(const struct options *) = {
     [COMMAND_FAULTS] = faults,
     [COMMAND_RUN] = run_rig,
     [COMMAND_EDS] = eds,
-    [COMMAND_CHECK] = check,
+    [COMMAND_CHECK] = check_file,
     [COMMAND_MODEL] = model,
-    [COMMAND_ASK] = ask,
-    [COMMAND_VERIFY] = ask,
+    [COMMAND_ASK] = ask_command,
+    [COMMAND_VERIFY] = ask_command,
     [COMMAND_MAP] = map,
     [COMMAND_FMU] = fmu_command,
     [COMMAND_CTL] = ctl,
@@ -189,7 +189,7 @@ static int (*const acts[])(const struct options *) = {
 };
 _Static_assert(DG_COUNT(acts) == COMMAND_COUNT, "a row for each command");
 
-static int act(const struct options *options)
+static int act_on_wire(const struct options *options)
 {
     if (!wire_fits(options, options->device) || !file_is_read(options)) {
         return EXIT_USAGE;
@@ -230,7 +230,7 @@ int main(int argc, char **argv)
     if (options_parse(&options, argc, argv) != 0) {
         (void)complain(&options.error, status);
     } else {
-        status = act(&options);
+        status = act_on_wire(&options);
     }
     options_free(&options);
     return status;

@@ -267,7 +267,7 @@ static void put_note(const char *title, const char *text)
     (void)putchar('\n');
 }
 
-static void put_head(const struct options *options, const char *header)
+static void put_file_head(const struct options *options, const char *header)
 {
     const struct dg_plan_model *text = options->text;
     (void)printf("/*\n * %s, made by drehgeber %s.\n", options->device->name, dg_version());
@@ -316,7 +316,7 @@ static void put_model(const struct options *options, size_t protocol)
     if (form->type != NULL) {
         memcpy(&figures, (const char *)device->model + protocols[protocol].pointer, sizeof figures);
     }
-    put_head(options, protocols[protocol].header);
+    put_file_head(options, protocols[protocol].header);
     (void)putchar('\n');
     if (figures != NULL) {
         (void)printf("static const struct %s %s_form = {\n%s", form->type, symbol.text,
@@ -340,7 +340,7 @@ static int put_eds(const struct options *options, const struct dg_cia406_file *f
         .stack = "dg_cia406_stack", .model = "file.model", .cells = file->file.cell_count > 0};
     const int result = model_eds_check(file, options->model);
     if (result == EXIT_OK) {
-        put_head(options, "cia406.h");
+        put_file_head(options, "cia406.h");
         (void)fputs("#include \"drehgeber/eds_rows.h\"\n\n", stdout);
         model_eds_put(file, symbol.text);
         put_device(options->device, symbol.text, &last);

@@ -182,7 +182,8 @@ static void put_regions(const struct dg_co_file *file, const char *symbol)
 
 /* ---------------------------------------------------------------- the device */
 
-static void put_device(const struct dg_co_file *file, const char *symbol, bool limits, bool strings)
+static void put_eds_device(const struct dg_co_file *file, const char *symbol, bool limits,
+                           bool strings)
 {
     const struct dg_co_device *device = &file->device;
     (void)fputs("        .device = {\n            .name = ", stdout);
@@ -263,7 +264,7 @@ void model_eds_put(const struct dg_cia406_file *self, const char *symbol)
     put_rates(&file->device, symbol);
     put_regions(file, symbol);
     (void)printf("\nstatic const struct dg_cia406_file %s_file = {\n    .file = {\n", symbol);
-    put_device(file, symbol, limits > 0, strings > 0);
+    put_eds_device(file, symbol, limits > 0, strings > 0);
     put_file(file, symbol);
     (void)printf("    .steps = %" PRIu32 ",\n    .turns = %" PRIu32
                  ",\n    .model = {.turns = %" PRIu32 ", .device = &%s_file.file.device},\n};\n",

@@ -158,7 +158,7 @@ static const struct nvm_kind kinds[] = {
 };
 
 /* NULL: it is built in, or has no EEPROM. */
-static const struct nvm_kind *kind_of(const struct dg_device *model)
+static const struct nvm_kind *nvm_kind_of(const struct dg_device *model)
 {
     for (size_t i = 0; i < DG_COUNT(kinds); i++) {
         if (kinds[i].has(model)) {
@@ -210,7 +210,7 @@ int nvm_check(const struct dg_plan *plan, struct lx_error *error)
     int result = 0;
     for (size_t i = 0; result == 0 && i < plan->encoder_count; i++) {
         const struct dg_plan_encoder *encoder = &plan->encoders[i];
-        const struct nvm_kind *kind = encoder->nvm == NULL ? NULL : kind_of(encoder->model);
+        const struct nvm_kind *kind = encoder->nvm == NULL ? NULL : nvm_kind_of(encoder->model);
         result = kind == NULL ? 0 : check_image(kind, encoder, error);
     }
     return result;
@@ -239,7 +239,7 @@ static int convert_image(const struct dg_plan_encoder *encoder, struct lx_nvm_me
                          struct lx_nvm_memory *to, struct misfits *misfits, struct lx_error *error)
 {
     const struct dg_device *model = encoder->model;
-    const struct nvm_kind *kind = kind_of(model);
+    const struct nvm_kind *kind = nvm_kind_of(model);
     if (lx_nvm_memory_init(to, dg_store_size(model->stack->layout(model->model))) != 0) {
         return lx_fail(error, "no memory for an EEPROM");
     }
@@ -253,7 +253,7 @@ static int convert_image(const struct dg_plan_encoder *encoder, struct lx_nvm_me
 static bool is_convertible(const struct dg_plan *plan)
 {
     return plan->encoder_count == 1 && plan->encoders[0].nvm != NULL &&
-           kind_of(plan->encoders[0].model) != NULL;
+           nvm_kind_of(plan->encoders[0].model) != NULL;
 }
 
 int nvm_convert(struct dg_plan *plan, const char *path, const struct lx_say *say,

@@ -273,7 +273,7 @@ static const struct {
 };
 
 /* An empty one is most likely an empty variable of a script. */
-static error_t take_text(struct options *self, int key, size_t offset, const char *value)
+static error_t take_option_text(struct options *self, int key, size_t offset, const char *value)
 {
     struct lx_words right = {"expected "};
     memcpy((char *)self + offset, &value, sizeof value);
@@ -290,7 +290,7 @@ static error_t take_option(struct options *self, int key, const char *value)
     const bool given = true;
     for (size_t i = 0; i < TEXT_COUNT; i++) {
         if (texts[i].key == key) {
-            return take_text(self, key, texts[i].offset, value);
+            return take_option_text(self, key, texts[i].offset, value);
         }
     }
     for (size_t i = 0; i < DG_COUNT(switches); i++) {
@@ -362,7 +362,7 @@ static bool is_letter(const char *word)
 }
 
 /* The option table's row of "-o", "--name" or "--name=value". */
-static const struct argp_option *row_of(const struct options *self, const char *argument)
+static const struct argp_option *option_row_of(const struct options *self, const char *argument)
 {
     const bool whole = strncmp(argument, "--", 2) == 0;
     const size_t n = whole ? strcspn(argument + 2, "=") : 0;
@@ -419,7 +419,7 @@ static int unknown_option(struct options *self)
 /* getopt's own messages say what was wrong only, so this says it all. */
 static int explain_culprit(struct options *self)
 {
-    const struct argp_option *row = row_of(self, self->culprit);
+    const struct argp_option *row = option_row_of(self, self->culprit);
     struct lx_words right = {""};
     if (row == NULL) {
         return unknown_option(self);

@@ -8,7 +8,7 @@
 #include "options.h"
 
 /* @return whether the file is there; its error is kept otherwise */
-static bool read_file(struct options *self, const char *path)
+static bool read_models(struct options *self, const char *path)
 {
     self->file = models_read(path);
     if (self->file == NULL) {
@@ -22,7 +22,7 @@ static bool read_file(struct options *self, const char *path)
 /* A file of nothing but models stands for the last one of them; one with encoders is a rig. */
 static void read_model(struct options *self)
 {
-    const struct dg_plan *plan = read_file(self, self->model) ? &self->file->plan : NULL;
+    const struct dg_plan *plan = read_models(self, self->model) ? &self->file->plan : NULL;
     if (plan != NULL && plan->encoder_count == 0) {
         self->text = &plan->models[plan->model_count - 1u];
     }
@@ -32,7 +32,7 @@ static void read_model(struct options *self)
 static void choose_model(struct options *self)
 {
     struct lx_words right = {"expected one of:"};
-    if (!read_file(self, self->models)) {
+    if (!read_models(self, self->models)) {
         return;
     }
     const struct dg_plan *plan = &self->file->plan;

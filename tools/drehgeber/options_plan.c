@@ -212,7 +212,7 @@ static int plan_ring(const struct options *options, struct dg_plan *plan, struct
 /* --- CANopen nodes --- */
 
 /* A decimal node-ID of at most 3 digits at the start of `text`. @return its end or NULL */
-static const char *take_node(const char *text, unsigned *node)
+static const char *take_node_id(const char *text, unsigned *node)
 {
     struct dg_decimal number = {0};
     const size_t n = strspn(text, "0123456789");
@@ -232,10 +232,10 @@ static int take_nodes(const char *text, const struct dg_device *device, struct n
     const struct dg_key *row = dg_plan_address_row(device);
     char range[64];
     struct dg_text right = dg_text_in(range, sizeof range);
-    const char *end = take_node(text, &nodes->first);
+    const char *end = take_node_id(text, &nodes->first);
     nodes->last = nodes->first;
     if (end != NULL && strncmp(end, "..", 2) == 0) {
-        end = take_node(end + 2, &nodes->last);
+        end = take_node_id(end + 2, &nodes->last);
     }
     if (end == NULL || *end != '\0' || nodes->first < row->min || nodes->last < nodes->first ||
         nodes->last > row->max) {
@@ -316,8 +316,8 @@ static int take_controls(const struct options *options, struct dg_plan *plan,
 }
 
 /* The shaft and the wire, which all share. Texts of options are kept by them. */
-static int begin(const struct options *options, struct dg_plan *plan,
-                 const struct dg_device *device, struct lx_error *error)
+static int begin_plan(const struct options *options, struct dg_plan *plan,
+                      const struct dg_device *device, struct lx_error *error)
 {
     const char *name = options->ring != NULL ? "ring" : device->name;
     const struct dg_plan_wire_kind *wire = options_wire(options, device, error);
@@ -342,7 +342,7 @@ bool options_numbered(const struct lx_stack *stack)
 static int plan_model(const struct options *options, struct dg_plan *plan, struct lx_error *error)
 {
     const struct dg_device *device = the_model(options, error);
-    if (device == NULL || begin(options, plan, device, error) != 0) {
+    if (device == NULL || begin_plan(options, plan, device, error) != 0) {
         return -1;
     }
     if (options_numbered(lx_stack_of(device))) {

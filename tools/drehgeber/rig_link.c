@@ -29,7 +29,7 @@ static int remember_peer(struct rig_link *self, const char *where)
     return 0;
 }
 
-static void greet(struct rig_link *self)
+static void greet_rig(struct rig_link *self)
 {
     self->output_length = strlen(self->greeting);
     memcpy(self->output, self->greeting, self->output_length);
@@ -45,7 +45,7 @@ int rig_link_open(struct rig_link *self, const char *where, struct lx_error *err
     if (self->fd < 0) {
         return -1;
     }
-    greet(self);
+    greet_rig(self);
     if (remember_peer(self, access.where) != 0 || fcntl(self->fd, F_SETFL, O_NONBLOCK) != 0) {
         (void)lx_fail(error, "%s: the connection broke: %s", where, strerror(errno));
         rig_link_close(self);
@@ -67,7 +67,7 @@ int rig_link_again(struct rig_link *self)
         rig_link_close(self);
         return -reason;
     }
-    greet(self);
+    greet_rig(self);
     return 0;
 }
 

@@ -108,7 +108,7 @@ static int make_loop(sd_event **event, struct lx_error *error)
 }
 
 /* From here on the encoders answer. Time 0 of all motions is now. */
-static int switch_on(struct running *self, struct lx_error *error)
+static int switch_rig_on(struct running *self, struct lx_error *error)
 {
     const dg_ns now = lx_now();
     const struct lx_rig_setup setup = {
@@ -138,14 +138,14 @@ static int run_loop(struct running *self)
                            : virtual_time_loop(self->event, self->span);
 }
 
-static int live(struct running *self)
+static int serve_rig(struct running *self)
 {
     struct lx_error error;
     raise_file_limit();
     if (make_loop(&self->event, &error) != 0) {
         return complain(&error, EXIT_OTHER);
     }
-    const int status = switch_on(self, &error);
+    const int status = switch_rig_on(self, &error);
     if (status != EXIT_OK) {
         return lx_ending_asked() ? EXIT_OK : complain(&error, status);
     }
@@ -182,7 +182,7 @@ int run_rig(const struct options *options)
         eds_file_tell(options->eds, &options->say);
     }
     eds_file_tell_plan(&self.plan, &options->say);
-    int status = live(&self);
+    int status = serve_rig(&self);
     lx_timer_close(&self.print);
     if (lx_rig_close(self.rig, &error) != 0 && status == EXIT_OK) {
         status = complain(&error, EXIT_OTHER);

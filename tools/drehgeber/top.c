@@ -45,7 +45,7 @@ struct top {
     bool stop;
 };
 
-static void draw(struct top *self)
+static void draw_view(struct top *self)
 {
     top_screen_arrange(&self->view);
     top_screen_draw(&self->screen, &self->view);
@@ -230,7 +230,7 @@ static bool act_on(struct top *self, const struct key *table, size_t count, int 
     return false;
 }
 
-static void press(struct top *self, int key)
+static void press_key(struct top *self, int key)
 {
     switch (self->screen.popup) {
     case TOP_POPUP_NONE:
@@ -256,7 +256,7 @@ static int on_keys(sd_event_source *source, int fd, uint32_t events, void *ctx)
     (void)source;
     (void)fd;
     while (!self->stop && (key = getch()) != ERR) {
-        press(self, key);
+        press_key(self, key);
     }
     if (self->stop) {
         return sd_event_exit(self->event, EXIT_OK);
@@ -264,7 +264,7 @@ static int on_keys(sd_event_source *source, int fd, uint32_t events, void *ctx)
     if ((events & (EPOLLHUP | EPOLLERR)) != 0) { /* the terminal has gone */
         return sd_event_exit(self->event, EXIT_OTHER);
     }
-    draw(self);
+    draw_view(self);
     return 0;
 }
 
@@ -276,7 +276,7 @@ static int on_resize(sd_event_source *source, const struct signalfd_siginfo *inf
     (void)info;
     if (ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0) {
         (void)resizeterm(size.ws_row, size.ws_col);
-        draw(self);
+        draw_view(self);
     }
     return 0;
 }
@@ -286,7 +286,7 @@ static void on_tick(void *ctx, dg_ns now)
     struct top *self = ctx;
     top_client_tick(self->client, now);
     if (self->view.trouble[0] != '\0') {
-        draw(self);
+        draw_view(self);
     }
     lx_timer_at(&self->timer, dg_after(now, TOP_EVERY));
 }
@@ -297,10 +297,10 @@ static void on_changed(void *ctx)
     if (self->screen.popup == TOP_POPUP_FAULTS && self->view.faults_of == TOP_NONE) {
         self->screen.popup = TOP_POPUP_NONE; /* another connection, maybe another rig */
     }
-    draw(self);
+    draw_view(self);
 }
 
-static int add_sources(struct top *self)
+static int add_event_sources(struct top *self)
 {
     static const int ends[] = {SIGTERM, SIGINT, SIGHUP};
     sigset_t blocked;
@@ -341,7 +341,7 @@ static bool has_cursor(void)
 }
 
 /* From here on the terminal is ours. */
-static int take_terminal(SCREEN **screen, struct lx_error *error)
+static int open_terminal(SCREEN **screen, struct lx_error *error)
 {
     const char *name = getenv("TERM");
     *screen = has_cursor() ? newterm(NULL, stdout, stdin) : NULL;
@@ -356,14 +356,14 @@ static int take_terminal(SCREEN **screen, struct lx_error *error)
     return EXIT_USAGE;
 }
 
-static int live(struct top *self, struct lx_error *error)
+static int run_screen(struct top *self, struct lx_error *error)
 {
     SCREEN *screen = NULL;
-    const int status = take_terminal(&screen, error);
+    const int status = open_terminal(&screen, error);
     if (status != EXIT_OK) {
         return status;
     }
-    draw(self);
+    draw_view(self);
     lx_timer_at(&self->timer, lx_now());
     const int result = sd_event_loop(self->event);
     give_back(screen);
@@ -386,7 +386,7 @@ static void name_rig(struct top_view *view)
     }
 }
 
-static int start(struct top *self, struct lx_error *error)
+static int start_top(struct top *self, struct lx_error *error)
 {
     int result = sd_event_new(&self->event);
     if (result < 0) {
@@ -402,12 +402,12 @@ static int start(struct top *self, struct lx_error *error)
         (void)lx_fail(error, "top needs a terminal; 'drehgeber ctl STAT?' works without");
         return EXIT_OTHER;
     }
-    result = add_sources(self);
+    result = add_event_sources(self);
     if (result < 0) {
         (void)lx_fail(error, "no event loop: %s", strerror(-result));
         return EXIT_OTHER;
     }
-    return live(self, error);
+    return run_screen(self, error);
 }
 
 int top_command(const char *wanted)
@@ -423,7 +423,7 @@ int top_command(const char *wanted)
     if (ctl_find(wanted, self->view.where, sizeof self->view.where, &error) != 0) {
         status = wanted == NULL ? EXIT_OTHER : EXIT_USAGE;
     } else {
-        status = start(self, &error);
+        status = start_top(self, &error);
     }
     top_client_close(self->client);
     lx_timer_close(&self->timer);

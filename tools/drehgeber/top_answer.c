@@ -5,7 +5,7 @@
 #include <string.h>
 
 /* From behind the opening quote to behind the closing one; doubled ones become one. */
-static char *unquote(char *text)
+static char *unquote_text(char *text)
 {
     char *to = text;
     char *from = text;
@@ -27,7 +27,7 @@ char *top_answer_part(struct top_answer *self)
         return NULL;
     }
     if (*part == '"') {
-        end = unquote(++part);
+        end = unquote_text(++part);
     }
     end += strcspn(end, ",;\r");
     self->ended = *end != ',';

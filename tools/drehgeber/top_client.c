@@ -2,8 +2,8 @@
 /*
  * Questions and answers:
  *
- *   top_client_tick() --> ask() --> link --> the rig
- *   view <-- take_...() <-- hear() <-- link <-- the rig
+ *   top_client_tick() --> ask_topic() --> link --> the rig
+ *   view <-- take_...() <-- hear_lines() <-- link <-- the rig
  *
  * Every question begins with one that cannot fail, so it has a line of answer in any case, and the
  * lines come in the order of the questions. A round is over when all of it was answered; the next
@@ -69,13 +69,13 @@ struct top_client {
 
 /* --- texts --- */
 
-static void copy(char *to, size_t size, const char *text)
+static void copy_text(char *to, size_t size, const char *text)
 {
     (void)snprintf(to, size, "%s", text == NULL ? "" : text);
 }
 
 /* A list: `text` behind what is there. */
-static void append(char *to, size_t size, const char *text)
+static void append_word(char *to, size_t size, const char *text)
 {
     const size_t used = strlen(to);
     (void)snprintf(to + used, size - used, "%s%s", used == 0 ? "" : " ", text);
@@ -87,9 +87,9 @@ static int64_t decimal(const char *text, unsigned places)
     return text != NULL && dg_decimal_parse(text, strlen(text), places, &out) ? out.value : 0;
 }
 
-static void tell(struct top_client *self, const char *text)
+static void show_message(struct top_client *self, const char *text)
 {
-    copy(self->view->message, sizeof self->view->message, text);
+    copy_text(self->view->message, sizeof self->view->message, text);
     self->message_until = dg_after(lx_now(), MESSAGE_STAYS);
 }
 
@@ -128,7 +128,7 @@ static bool add_encoder(struct top_view *view, const char *name)
     }
     view->encoders = more;
     more[view->encoder_count] = (struct top_encoder){.shaft = TOP_NONE, .up = true, .rate = -1};
-    copy(more[view->encoder_count].name, sizeof more->name, name);
+    copy_text(more[view->encoder_count].name, sizeof more->name, name);
     view->encoder_count++;
     return true;
 }
@@ -141,7 +141,7 @@ static bool add_shaft(struct top_view *view, const char *name)
     }
     view->shafts = more;
     more[view->shaft_count] = (struct top_shaft){.encoder = TOP_NONE};
-    copy(more[view->shaft_count].name, sizeof more->name, name);
+    copy_text(more[view->shaft_count].name, sizeof more->name, name);
     view->shaft_count++;
     return true;
 }
@@ -164,7 +164,7 @@ static void take_catalogue(struct top_client *self, struct top_answer *answer, s
     const char *name;
     (void)index;
     if (view->selected < view->encoder_count) {
-        copy(selected, sizeof selected, view->encoders[view->selected].name);
+        copy_text(selected, sizeof selected, view->encoders[view->selected].name);
     }
     free_lists(view);
     while ((name = top_answer_part(answer)) != NULL && add_encoder(view, name)) {
@@ -183,9 +183,9 @@ static void take_encoder(struct top_client *self, struct top_answer *answer, siz
 {
     struct top_view *view = self->view;
     struct top_encoder *encoder = &view->encoders[index];
-    copy(encoder->model, sizeof encoder->model, top_answer_part(answer));
+    copy_text(encoder->model, sizeof encoder->model, top_answer_part(answer));
     (void)top_answer_next(answer);
-    copy(encoder->wire, sizeof encoder->wire, top_answer_part(answer));
+    copy_text(encoder->wire, sizeof encoder->wire, top_answer_part(answer));
     (void)top_answer_next(answer);
     const char *shaft = top_answer_part(answer);
     for (size_t i = 0; shaft != NULL && i < view->shaft_count; i++) {
@@ -231,12 +231,12 @@ static const char *behind(const char *text, const char *key)
     return strncmp(text, key, n) == 0 ? text + n : NULL;
 }
 
-static bool take_text(struct top_encoder *encoder, const char *part)
+static bool take_encoder_text(struct top_encoder *encoder, const char *part)
 {
     for (size_t i = 0; i < DG_COUNT(texts); i++) {
         const char *value = behind(part, texts[i].key);
         if (value != NULL) {
-            copy((char *)encoder + texts[i].offset, texts[i].size, value);
+            copy_text((char *)encoder + texts[i].offset, texts[i].size, value);
             return true;
         }
     }
@@ -246,7 +246,7 @@ static bool take_text(struct top_encoder *encoder, const char *part)
 static void take_part(struct top_encoder *encoder, const char *part)
 {
     const char *value;
-    if (take_text(encoder, part)) {
+    if (take_encoder_text(encoder, part)) {
         return;
     }
     if ((value = behind(part, "power=")) != NULL) {
@@ -256,7 +256,7 @@ static void take_part(struct top_encoder *encoder, const char *part)
     } else {
         value = behind(part, "wire_up=");
         encoder->up = value == NULL ? encoder->up : *value != '0';
-        append(encoder->more, sizeof encoder->more, part);
+        append_word(encoder->more, sizeof encoder->more, part);
     }
 }
 
@@ -280,10 +280,10 @@ static void take_state(struct top_client *self, struct top_answer *answer, size_
     encoder->faults[0] = '\0';
     (void)top_answer_next(answer);
     while ((part = top_answer_part(answer)) != NULL) {
-        append(encoder->faults, sizeof encoder->faults, part);
+        append_word(encoder->faults, sizeof encoder->faults, part);
     }
     if (encoder->faults[0] == '\0') {
-        copy(encoder->faults, sizeof encoder->faults, "-");
+        copy_text(encoder->faults, sizeof encoder->faults, "-");
     }
     encoder->known = true;
 }
@@ -311,7 +311,7 @@ static void take_frames(struct top_client *self, struct top_answer *answer, size
     }
     view->frame_count = 0;
     while (view->frame_count < TOP_FRAMES && (part = top_answer_part(answer)) != NULL) {
-        copy(view->frames[view->frame_count], sizeof view->frames[0], part);
+        copy_text(view->frames[view->frame_count], sizeof view->frames[0], part);
         view->frame_count += *part == '\0' ? 0 : 1;
     }
 }
@@ -327,10 +327,10 @@ static void take_faults(struct top_client *self, struct top_answer *answer, size
     view->fault_count = 0;
     while (view->fault_count < DG_FAULTS_MAX && (name = top_answer_part(answer)) != NULL) {
         struct top_fault *fault = &view->faults[view->fault_count++];
-        copy(fault->name, sizeof fault->name, name);
+        copy_text(fault->name, sizeof fault->name, name);
         (void)top_answer_part(answer);
-        copy(fault->cause, sizeof fault->cause, top_answer_part(answer));
-        copy(fault->effect, sizeof fault->effect, top_answer_part(answer));
+        copy_text(fault->cause, sizeof fault->cause, top_answer_part(answer));
+        copy_text(fault->effect, sizeof fault->effect, top_answer_part(answer));
         (void)top_answer_part(answer);
     }
 }
@@ -339,12 +339,12 @@ static void take_faults(struct top_client *self, struct top_answer *answer, size
 static void take_end(struct top_client *self, struct top_answer *answer, size_t index)
 {
     (void)index;
-    copy(self->view->time, sizeof self->view->time, top_answer_part(answer));
+    copy_text(self->view->time, sizeof self->view->time, top_answer_part(answer));
     (void)top_answer_next(answer);
     const int64_t code = decimal(top_answer_part(answer), 0);
     const char *text = top_answer_part(answer);
     if (code != 0 && text != NULL) {
-        tell(self, text);
+        show_message(self, text);
     }
 }
 
@@ -370,7 +370,7 @@ static const struct {
 _Static_assert(TOP_FRAMES == 32, "TRACe:LAST? asks for as many");
 
 /* @return false: there is no room for it; it can be asked in another round */
-static bool ask(struct top_client *self, enum topic topic, size_t index)
+static bool ask_topic(struct top_client *self, enum topic topic, size_t index)
 {
     const struct top_view *view = self->view;
     const size_t encoder = topic == TOPIC_SHAFT ? view->shafts[index].encoder : index;
@@ -395,7 +395,7 @@ static bool ask(struct top_client *self, enum topic topic, size_t index)
 static void ask_survey(struct top_client *self)
 {
     for (unsigned n = 0; n < SURVEY_MAX && self->surveyed < self->view->encoder_count; n++) {
-        self->surveyed += ask(self, TOPIC_ENCODER, self->surveyed) ? 1 : 0;
+        self->surveyed += ask_topic(self, TOPIC_ENCODER, self->surveyed) ? 1 : 0;
     }
 }
 
@@ -405,7 +405,7 @@ static void ask_shafts(struct top_client *self)
     for (size_t i = 0; i < view->shaft_count; i++) {
         view->shafts[i].held = false;
         if (view->shafts[i].encoder != TOP_NONE) {
-            (void)ask(self, TOPIC_SHAFT, i);
+            (void)ask_topic(self, TOPIC_SHAFT, i);
         }
     }
 }
@@ -416,15 +416,15 @@ static void ask_round(struct top_client *self)
     ask_survey(self);
     ask_shafts(self);
     for (size_t i = view->first; i < view->first + view->rows && i < view->encoder_count; i++) {
-        (void)ask(self, TOPIC_STATE, i);
+        (void)ask_topic(self, TOPIC_STATE, i);
     }
     if (view->encoder_count > 0) {
-        (void)ask(self, TOPIC_FRAMES, view->selected);
+        (void)ask_topic(self, TOPIC_FRAMES, view->selected);
     }
-    (void)ask(self, TOPIC_END, 0);
+    (void)ask_topic(self, TOPIC_END, 0);
 }
 
-static void watch(struct top_client *self)
+static void watch_link(struct top_client *self)
 {
     if (self->io != NULL) {
         (void)sd_event_source_set_io_events(self->io, rig_link_events(&self->link));
@@ -449,7 +449,7 @@ static void hang_up(struct top_client *self, const char *why)
 }
 
 /* @return false: that is no answer, but somebody who sends us away */
-static bool take_line(struct top_client *self, char *line)
+static bool take_answer_line(struct top_client *self, char *line)
 {
     struct top_answer answer = {.at = line};
     const char *mark = top_answer_part(&answer);
@@ -477,13 +477,13 @@ static void make_printable(char *text)
     }
 }
 
-static void hear(struct top_client *self)
+static void hear_lines(struct top_client *self)
 {
     char *line;
     while ((line = rig_link_line(&self->link)) != NULL) {
         self->heard = lx_now();
         make_printable(line);
-        if (!take_line(self, line)) {
+        if (!take_answer_line(self, line)) {
             return;
         }
     }
@@ -497,11 +497,11 @@ static int on_io(sd_event_source *source, int fd, uint32_t events, void *ctx)
     (void)fd;
     (void)events;
     const int result = rig_link_serve(&self->link);
-    hear(self);
+    hear_lines(self);
     if (result < 0 && self->link.fd >= 0) {
         hang_up(self, strerror(-result));
     }
-    watch(self);
+    watch_link(self);
     if (before > 0 && self->asked_count == 0) {
         self->changed(self->ctx);
     }
@@ -509,12 +509,12 @@ static int on_io(sd_event_source *source, int fd, uint32_t events, void *ctx)
 }
 
 /* Connected, or about to be. */
-static int begin(struct top_client *self)
+static int begin_session(struct top_client *self)
 {
     const int result = sd_event_add_io(self->event, &self->io, self->link.fd, EPOLLIN, on_io, self);
     if (result >= 0) {
-        (void)ask(self, TOPIC_CATALOGUE, 0);
-        watch(self);
+        (void)ask_topic(self, TOPIC_CATALOGUE, 0);
+        watch_link(self);
     }
     return result;
 }
@@ -523,7 +523,7 @@ static void connect_again(struct top_client *self)
 {
     int result = rig_link_again(&self->link);
     if (result == 0) {
-        result = begin(self);
+        result = begin_session(self);
     }
     if (result < 0) {
         hang_up(self, strerror(-result));
@@ -557,7 +557,7 @@ void top_client_tick(struct top_client *self, dg_ns now)
         return;
     }
     ask_round(self);
-    watch(self);
+    watch_link(self);
 }
 
 bool top_client_do(struct top_client *self, size_t encoder, const char *command)
@@ -569,18 +569,18 @@ bool top_client_do(struct top_client *self, size_t encoder, const char *command)
     (void)snprintf(line, sizeof line, "INST:SEL \"%s\";:%s", self->view->encoders[encoder].name,
                    command);
     if (self->view->trouble[0] != '\0' || !rig_link_say(&self->link, line)) {
-        tell(self, BUSY);
+        show_message(self, BUSY);
         return false;
     }
-    watch(self);
+    watch_link(self);
     return true;
 }
 
 void top_client_ask_faults(struct top_client *self, size_t encoder)
 {
     if (encoder < self->view->encoder_count) {
-        (void)ask(self, TOPIC_FAULTS, encoder);
-        watch(self);
+        (void)ask_topic(self, TOPIC_FAULTS, encoder);
+        watch_link(self);
     }
 }
 
@@ -601,7 +601,7 @@ struct top_client *top_client_open(sd_event *event, struct top_view *view,
         top_client_close(self);
         return NULL;
     }
-    const int result = begin(self);
+    const int result = begin_session(self);
     if (result < 0) {
         (void)lx_fail(error, "no event loop: %s", strerror(-result));
         top_client_close(self);

@@ -43,7 +43,7 @@ static void draw_pointer(int y, int x, int deg)
     (void)mvaddch(y + pointers[i].tip_y, x + pointers[i].tip_x, (chtype)'@' | A_BOLD);
 }
 
-static void draw(const struct top_shaft *shaft, int y, int x, bool selected)
+static void draw_dial(const struct top_shaft *shaft, int y, int x, bool selected)
 {
     for (int i = 0; i < TOP_DIAL_HEIGHT; i++) {
         (void)mvaddstr(y + i, x, faces[i]);
@@ -86,7 +86,7 @@ void top_dial_draw_all(const struct top_view *view, int y, int rows)
         view->selected < view->encoder_count ? view->encoders[view->selected].shaft : TOP_NONE;
     const size_t first = selected == TOP_NONE ? 0 : selected / page * page;
     for (size_t i = 0; i < page && first + i < view->shaft_count; i++) {
-        draw(&view->shafts[first + i], y + (int)(i / in_row) * TOP_DIAL_HEIGHT,
-             (int)(i % in_row) * TOP_DIAL_WIDTH, first + i == selected);
+        draw_dial(&view->shafts[first + i], y + (int)(i / in_row) * TOP_DIAL_HEIGHT,
+                  (int)(i % in_row) * TOP_DIAL_WIDTH, first + i == selected);
     }
 }

@@ -52,8 +52,8 @@ static const enum column order[] = {
 };
 _Static_assert(DG_COUNT(order) == COLUMN_COUNT, "each has its place");
 
-static const struct top_shaft *shaft_of(const struct top_view *view,
-                                        const struct top_encoder *encoder)
+static const struct top_shaft *encoder_shaft_of(const struct top_view *view,
+                                                const struct top_encoder *encoder)
 {
     return encoder->shaft == TOP_NONE ? NULL : &view->shafts[encoder->shaft];
 }
@@ -82,7 +82,7 @@ static void angle_text(const struct top_shaft *shaft, char *to, size_t size)
 static void cell_text(const struct top_view *view, const struct top_encoder *encoder,
                       enum column column, char *to, size_t size)
 {
-    const struct top_shaft *shaft = shaft_of(view, encoder);
+    const struct top_shaft *shaft = encoder_shaft_of(view, encoder);
     const char *const texts[COLUMN_COUNT] = {
         [COLUMN_NAME] = encoder->name,     [COLUMN_MODEL] = encoder->model,
         [COLUMN_WIRE] = encoder->wire,     [COLUMN_LEDS] = encoder->leds,
@@ -137,7 +137,7 @@ static int give_way(int widths[COLUMN_COUNT], int room, size_t first, size_t end
 }
 
 /* What is left goes to those that have not all they need. */
-static void share(int widths[COLUMN_COUNT], const int natural[COLUMN_COUNT], int room)
+static void share_room(int widths[COLUMN_COUNT], const int natural[COLUMN_COUNT], int room)
 {
     for (size_t i = COLUMN_COUNT; i > 0; i--) {
         const enum column column = order[i - 1];
@@ -168,7 +168,7 @@ static void fit_columns(const struct top_view *view, int widths[COLUMN_COUNT])
         widths[order[i]] = least;
     }
     room = give_way(widths, room, EXTRAS, COLUMN_COUNT);
-    share(widths, natural, room);
+    share_room(widths, natural, room);
 }
 
 static void draw_cell(const struct top_view *view, const struct top_encoder *encoder,

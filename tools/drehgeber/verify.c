@@ -153,7 +153,7 @@ size_t verify_print_unit(const struct cf_unit *unit, char *to, size_t size)
 }
 
 /* "a row ...:" is not said: the text behind the file's name. */
-static struct verify_row settle(enum verify_outcome outcome, const char *text)
+static struct verify_row make_row(enum verify_outcome outcome, const char *text)
 {
     struct verify_row row = {.outcome = outcome};
     if (outcome != VERIFY_AGREES) {
@@ -174,7 +174,7 @@ static unsigned needs_of_steps(const struct cf_suite *suite, const struct cf_row
     return wanted;
 }
 
-static struct verify_row refuse(unsigned missing)
+static struct verify_row refuse_row(unsigned missing)
 {
     struct lx_words text = {"needs "};
     size_t n = 0;
@@ -183,7 +183,7 @@ static struct verify_row refuse(unsigned missing)
             lx_words_add(&text, "%s%s", n++ == 0 ? "" : "; ", needs[i].text);
         }
     }
-    return settle(VERIFY_NOT_SEEN, text.text);
+    return make_row(VERIFY_NOT_SEEN, text.text);
 }
 
 /* Whether the row can be run, and is about such an encoder; if not, `to` says why. */
@@ -196,7 +196,7 @@ static bool rehearse(struct verify *self, const struct cf_suite *suite, const st
     struct cf_report report = {0};
     unsigned missing = needs_of_steps(suite, row, device) & ~self->allowed;
     if ((missing & (CF_SHAFT | CF_INSIDE)) != 0) {
-        *to = refuse(missing & (CF_SHAFT | CF_INSIDE));
+        *to = refuse_row(missing & (CF_SHAFT | CF_INSIDE));
         return false;
     }
     self->protocol->rehearse(self->encoder, &beside, 0);
@@ -208,11 +208,11 @@ static bool rehearse(struct verify *self, const struct cf_suite *suite, const st
     }
     missing |= rehearsal.needs & ~self->allowed;
     if (!fits) {
-        *to = settle(VERIFY_NOT_SEEN, "is about an encoder with other figures");
+        *to = make_row(VERIFY_NOT_SEEN, "is about an encoder with other figures");
     } else if (missing != 0) {
-        *to = refuse(missing);
+        *to = refuse_row(missing);
     } else if (!quick) {
-        *to = settle(VERIFY_NOT_SEEN, "takes longer than 10 s");
+        *to = make_row(VERIFY_NOT_SEEN, "takes longer than 10 s");
     }
     return fits && missing == 0 && quick;
 }
@@ -306,13 +306,13 @@ static bool try_once(struct verify *self, const struct cf_suite *suite, const st
     struct cf_report report = {""};
     encoder->outcome = VERIFY_AGREES;
     if (!self->protocol->begin(encoder, &report)) {
-        *to = settle(VERIFY_NOT_SEEN, report.text);
+        *to = make_row(VERIFY_NOT_SEEN, report.text);
         return false;
     }
     if (!cf_run(suite, row, self->protocol->rows(), &report) && encoder->outcome == VERIFY_AGREES) {
         encoder->outcome = VERIFY_NOT_SEEN; /* the model's own state: a step it refuses */
     }
-    *to = settle(encoder->outcome, report.text);
+    *to = make_row(encoder->outcome, report.text);
     self->allowed &= encoder->declined ? ~(unsigned)CF_POWER : ~0u;
     if (encoder->off && !verify_powered(encoder, true, &report)) {
         (void)snprintf(self->result.lost, sizeof self->result.lost,
@@ -341,8 +341,8 @@ static bool cites_asked(const struct verify_result *result, const struct cf_row 
 }
 
 /* A busy host may be late once: what differs has to differ again. */
-static bool attempt(struct verify *self, const struct cf_suite *suite, const struct cf_row *row,
-                    struct verify_row *to)
+static bool attempt_row(struct verify *self, const struct cf_suite *suite, const struct cf_row *row,
+                        struct verify_row *to)
 {
     bool there = try_once(self, suite, row, to);
     if (there && to->outcome == VERIFY_DIFFERS) {
@@ -357,14 +357,14 @@ static void run_row(struct verify *self, struct verify_suite *suite, size_t inde
     const struct cf_row *row = &suite->rows->rows[index];
     struct verify_row *to = &suite->results[index];
     if (!cites_asked(&self->result, row)) {
-        *to = settle(VERIFY_NOT_SEEN, "was not asked for");
+        *to = make_row(VERIFY_NOT_SEEN, "was not asked for");
         return;
     }
     if (self->result.lost[0] != '\0') {
-        *to = settle(VERIFY_NOT_SEEN, self->result.lost);
+        *to = make_row(VERIFY_NOT_SEEN, self->result.lost);
         return;
     }
-    if (rehearse(self, suite->rows, row, to) && !attempt(self, suite->rows, row, to)) {
+    if (rehearse(self, suite->rows, row, to) && !attempt_row(self, suite->rows, row, to)) {
         if (self->result.lost[0] == '\0') {
             (void)snprintf(self->result.lost, sizeof self->result.lost,
                            "the encoder was lost in the row '%s'", row->title);
@@ -424,7 +424,7 @@ static int find_folder(char *to, size_t size, struct lx_error *error)
                : lx_fail(error, "no clauses at %s; $" VERIFY_FOLDER " names their folder", to);
 }
 
-static int load(struct verify *self, struct lx_error *error)
+static int load_suites(struct verify *self, struct lx_error *error)
 {
     char folder[PATH_MAX];
     if (find_folder(folder, sizeof folder, error) != 0) {
@@ -451,7 +451,7 @@ static int load(struct verify *self, struct lx_error *error)
     return 0;
 }
 
-static void unload(struct verify *self)
+static void unload_suites(struct verify *self)
 {
     for (size_t i = 0; i < VERIFY_SUITES_MAX; i++) {
         struct verify_suite *suite = &self->result.suites[i];
@@ -523,7 +523,7 @@ static int write_file(const struct verify_result *result, const char *path,
 }
 
 /* @return how the program ends */
-static int tell(const struct verify *self)
+static int print_result(const struct verify *self)
 {
     const struct verify_result *result = &self->result;
     struct lx_error error;
@@ -603,10 +603,10 @@ static int restore(struct verify *self)
     return EXIT_SUCCESS;
 }
 
-static int run(struct verify *self)
+static int verify_encoder_rows(struct verify *self)
 {
     struct lx_error error;
-    if (load(self, &error) != 0) {
+    if (load_suites(self, &error) != 0) {
         return complain(&error, EXIT_FAILURE);
     }
     if (check_words(&self->result, &error) != 0) {
@@ -641,7 +641,7 @@ static int run(struct verify *self)
     if (!self->options->say.quiet && isatty(STDERR_FILENO)) {
         (void)fputs("\r\n", stderr);
     }
-    const int status = tell(self);
+    const int status = print_result(self);
     self->protocol->close(self->encoder);
     return status;
 }
@@ -660,11 +660,11 @@ int verify_command(const struct options *options)
     self.allowed = (options->alone ? CF_ALONE : 0u) | (options->write ? CF_WRITE : 0u) |
                    (options->irreversible ? CF_ONE_WAY : 0u) |
                    (options->power != NULL || can_ask(options) ? CF_POWER : 0u);
-    const int status = run(&self);
+    const int status = verify_encoder_rows(&self);
     if (self.journal != NULL) {
         verify_journal_close(self.journal);
         free(self.journal);
     }
-    unload(&self);
+    unload_suites(&self);
     return status;
 }

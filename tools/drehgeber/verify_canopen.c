@@ -186,8 +186,8 @@ static bool on_sent(void *ctx, const struct cf_unit *request, struct cf_report *
     return verify_canopen_send_frame(self, &frame, report);
 }
 
-static bool differ(struct canopen *self, const struct cf_unit *expected,
-                   const struct dg_can_frame *came, struct cf_report *report)
+static bool report_frame(struct canopen *self, const struct cf_unit *expected,
+                         const struct dg_can_frame *came, struct cf_report *report)
 {
     char text[3][100];
     const struct cf_unit sent = {self->request.id, self->request.rtr, self->request.data,
@@ -205,8 +205,8 @@ static bool differ(struct canopen *self, const struct cf_unit *expected,
                        text[1], text[2]);
 }
 
-static bool judge(struct canopen *self, const struct cf_unit *expected,
-                  const struct dg_can_frame *came, struct cf_report *report)
+static bool judge_frame_values(struct canopen *self, const struct cf_unit *expected,
+                               const struct dg_can_frame *came, struct cf_report *report)
 {
     const struct cf_unit got = {move_id(came->id, self->node, ROW_NODE), came->rtr, came->data,
                                 came->dlc};
@@ -216,7 +216,7 @@ static bool judge(struct canopen *self, const struct cf_unit *expected,
         return true; /* its toggle bit goes on from row to row, the model's begins again */
     }
     if (!same_form(expected, &got)) {
-        return differ(self, expected, came, report);
+        return report_frame(self, expected, came, report);
     }
     if (kind == MEASURED || same_data(expected, &got)) {
         return true;
@@ -229,7 +229,7 @@ static bool judge(struct canopen *self, const struct cf_unit *expected,
         return verify_fail(&self->base, VERIFY_NOT_SEEN, report, "needs %02X%02Xh:%u as delivered",
                            got.bytes[2], got.bytes[1], (unsigned)got.bytes[3]);
     }
-    return differ(self, expected, came, report);
+    return report_frame(self, expected, came, report);
 }
 
 static bool on_answered(void *ctx, const struct cf_answer *answer, struct cf_report *report)
@@ -245,7 +245,7 @@ static bool on_answered(void *ctx, const struct cf_answer *answer, struct cf_rep
     const int result = verify_canopen_receive_id(
         self, id, self->base.since + (answer->timed ? late : ANSWER_MAX), &came, report);
     if (result <= 0) {
-        return result == 0 && differ(self, &answer->got, NULL, report);
+        return result == 0 && report_frame(self, &answer->got, NULL, report);
     }
     const dg_ns took = lx_real_now() - self->base.since;
     self->base.since += took;
@@ -253,7 +253,7 @@ static bool on_answered(void *ctx, const struct cf_answer *answer, struct cf_rep
         return verify_fail(&self->base, VERIFY_DIFFERS, report, "%03Xh came after %llu us already",
                            (unsigned)came.id, (unsigned long long)took / 1000u);
     }
-    return judge(self, &answer->got, &came, report);
+    return judge_frame_values(self, &answer->got, &came, report);
 }
 
 static bool on_silent(void *ctx, uint64_t ns, struct cf_report *report)
@@ -264,7 +264,7 @@ static bool on_silent(void *ctx, uint64_t ns, struct cf_report *report)
     const dg_ns wait = ns == 1u ? SETTLE : ns > SILENCE ? ns : SILENCE;
     const uint16_t id = ns == 1u ? (uint16_t)(SDO_ANSWER + self->node) : 0; /* PDOs may go on */
     const int result = verify_canopen_receive_id(self, id, lx_real_now() + wait, &came, report);
-    return result == 0 || (result > 0 && differ(self, &nothing, &came, report));
+    return result == 0 || (result > 0 && report_frame(self, &nothing, &came, report));
 }
 
 static bool on_waited(void *ctx, uint64_t ns, struct cf_report *report)
@@ -387,7 +387,7 @@ static bool begin(struct verify_encoder *base, struct cf_report *report)
 }
 
 /* The model begins pre-operational, and so does the encoder; LSS is left. */
-static void leave(struct canopen *self)
+static void leave_encoder(struct canopen *self)
 {
     static const struct dg_can_frame waiting = {.id = 0x7E5, .dlc = 8, .data = {0x04, 0x00}};
     const struct dg_can_frame calm = {.id = 0, .dlc = 2, .data = {0x80, self->node}};
@@ -400,7 +400,7 @@ static bool end(struct verify_encoder *base, struct cf_report *report)
 {
     struct canopen *self = of(base);
     if (self->alone) {
-        leave(self);
+        leave_encoder(self);
     }
     const enum verify_outcome outcome = base->outcome;
     const bool there = outcome != VERIFY_DIFFERS || verify_canopen_settle(self, report);
@@ -416,7 +416,7 @@ static int unanswered(const struct canopen *self, const char *where, struct lx_e
                      "%s: node %u does not answer", where, (unsigned)self->node);
 }
 
-static int identify(struct canopen *self, const char *where, struct lx_error *error)
+static int identify_node(struct canopen *self, const char *where, struct lx_error *error)
 {
     uint32_t type = 0;
     uint32_t product = 0;
@@ -442,7 +442,7 @@ static int identify(struct canopen *self, const char *where, struct lx_error *er
 }
 
 /* How far readings of a shaft at rest, and times of answers, are apart. */
-static int measure(struct canopen *self, const char *where, struct lx_error *error)
+static int measure_node(struct canopen *self, const char *where, struct lx_error *error)
 {
     dg_ns shortest = DG_NEVER;
     dg_ns longest = 0;
@@ -523,8 +523,8 @@ static struct verify_encoder *open_encoder(const struct options *options, struct
     self->wire.fd = -1;
     if (take_node(self, options->node, error) != 0 ||
         verify_frames_open(&self->wire, options->wire->name, options->where, error) != 0 ||
-        (!options->restore && (identify(self, options->where, error) != 0 ||
-                               measure(self, options->where, error) != 0))) {
+        (!options->restore && (identify_node(self, options->where, error) != 0 ||
+                               measure_node(self, options->where, error) != 0))) {
         close_encoder(&self->base);
         return NULL;
     }

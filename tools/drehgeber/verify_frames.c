@@ -112,7 +112,7 @@ static bool parse_line(const char *line, struct dg_can_frame *to)
 }
 
 /* Whether this byte completes a frame. What is too long is no line of an adapter. */
-static bool feed(struct verify_frames *self, uint8_t byte, struct dg_can_frame *to)
+static bool feed_byte(struct verify_frames *self, uint8_t byte, struct dg_can_frame *to)
 {
     if (byte == '\r' || byte == '\a') {
         self->line[self->length] = '\0';
@@ -128,7 +128,7 @@ static int receive_line(struct verify_frames *self, dg_ns until, struct dg_can_f
 {
     for (;;) {
         while (self->seen < self->count) {
-            if (feed(self, self->bytes[self->seen++], to)) {
+            if (feed_byte(self, self->bytes[self->seen++], to)) {
                 return 1;
             }
         }

@@ -28,7 +28,7 @@ static dg_ns bits(uint64_t n)
 /* --- the line --- */
 
 /* @return false: it never stops */
-static bool drain(struct hiperface *self)
+static bool drain_line(struct hiperface *self)
 {
     uint8_t bytes[256];
     size_t thrown = 0;
@@ -44,8 +44,8 @@ static bool drain(struct hiperface *self)
     return true;
 }
 
-static bool send_frame(struct hiperface *self, const uint8_t *bytes, size_t n,
-                       struct cf_report *report)
+static bool send_request(struct hiperface *self, const uint8_t *bytes, size_t n,
+                         struct cf_report *report)
 {
     verify_stream_sleep(self->quiet + bits(PAUSE_BITS + 1u));
     self->request.n = n < sizeof self->request.bytes ? n : sizeof self->request.bytes;
@@ -81,16 +81,16 @@ static bool receive_frame(struct hiperface *self, dg_ns until, size_t length, st
 
 /* Ask for something of one's own: `request` gets its check sum. @return whether `length` bytes came
    that answer it */
-static bool ask(struct hiperface *self, uint8_t command, size_t length, struct frame *to,
-                struct cf_report *report)
+static bool ask_encoder(struct hiperface *self, uint8_t command, size_t length, struct frame *to,
+                        struct cf_report *report)
 {
     const uint8_t request[3] = {ADDRESS, command, (uint8_t)(ADDRESS ^ command)};
     uint8_t sum = 0;
     to->n = 0;
-    if (!drain(self)) {
+    if (!drain_line(self)) {
         return verify_fail(&self->base, VERIFY_LOST, report, "it never stops sending");
     }
-    if (!send_frame(self, request, sizeof request, report) ||
+    if (!send_request(self, request, sizeof request, report) ||
         !receive_frame(self, self->sent + REPLY_MAX, length, to, report)) {
         return false;
     }
@@ -107,7 +107,7 @@ bool verify_hiperface_ask_again(struct hiperface *self, uint8_t command, size_t 
 {
     bool answered = false;
     for (unsigned i = 0; !answered && i < 3; i++) {
-        answered = ask(self, command, length, to, report);
+        answered = ask_encoder(self, command, length, to, report);
     }
     return answered;
 }
@@ -124,7 +124,7 @@ bool verify_hiperface_command(struct hiperface *self, const uint8_t *request, si
         bytes[i] = request[i];
         bytes[n] ^= request[i];
     }
-    return drain(self) && send_frame(self, bytes, n + 1u, &report) &&
+    return drain_line(self) && send_request(self, bytes, n + 1u, &report) &&
            receive_frame(self, self->sent + REPLY_MAX, sizeof to->bytes, to, &report) &&
            to->n >= 3 && (to->bytes[1] & 0x7Fu) != 0x50u;
 }
@@ -271,11 +271,11 @@ static bool on_sent(void *ctx, const struct cf_unit *request, struct cf_report *
         return verify_fail(&self->base, n > 0 ? VERIFY_DIFFERS : VERIFY_LOST, report,
                            "came without being asked, or behind an answer:%s", text);
     }
-    return send_frame(self, request->bytes, request->n, report);
+    return send_request(self, request->bytes, request->n, report);
 }
 
-static bool differ(struct hiperface *self, const struct cf_answer *answer, const struct frame *came,
-                   struct cf_report *report)
+static bool report_answer(struct hiperface *self, const struct cf_answer *answer,
+                          const struct frame *came, struct cf_report *report)
 {
     char text[3][500];
     const struct cf_unit sent = {.bytes = self->request.bytes, .n = self->request.n};
@@ -319,7 +319,7 @@ static bool on_answered(void *ctx, const struct cf_answer *answer, struct cf_rep
         return false;
     }
     return is_right(self, &answer->got, &came) ? check_time(self, answer, &came, report)
-                                               : differ(self, answer, &came, report);
+                                               : report_answer(self, answer, &came, report);
 }
 
 static bool on_silent(void *ctx, uint64_t ns, struct cf_report *report)
@@ -329,7 +329,7 @@ static bool on_silent(void *ctx, uint64_t ns, struct cf_report *report)
     struct frame came;
     const dg_ns wait = ns != 0 ? ns : self->base.journal != NULL ? REPLY_MAX : SILENCE;
     return receive_frame(self, lx_real_now() + wait, sizeof came.bytes, &came, report) &&
-           (came.n == 0 || differ(self, &nothing, &came, report));
+           (came.n == 0 || report_answer(self, &nothing, &came, report));
 }
 
 static bool on_waited(void *ctx, uint64_t ns, struct cf_report *report)
@@ -369,7 +369,8 @@ static bool begin(struct verify_encoder *base, struct cf_report *report)
     struct hiperface *self = of(base);
     struct frame came;
     for (size_t i = 0; i < STATUS_READS_MAX; i++) {
-        if (ask(self, 0x50, 4, &came, report) && came.bytes[1] == 0x50u && came.bytes[2] == 0) {
+        if (ask_encoder(self, 0x50, 4, &came, report) && came.bytes[1] == 0x50u &&
+            came.bytes[2] == 0) {
             break;
         }
     }
@@ -415,18 +416,18 @@ static int unanswered(const char *where, struct lx_error *error)
 }
 
 /* Serial number, version and date are of this encoder, its type is what there are clauses of. */
-static int identify(struct hiperface *self, const char *where, struct lx_error *error)
+static int identify_encoder(struct hiperface *self, const char *where, struct lx_error *error)
 {
     struct cf_report report = {0};
     struct frame type = {.at = 0};
     struct frame made = {.at = 0};
-    bool answered = ask(self, 0x52, 7, &type, &report);
-    answered =
-        answered || ask(self, 0x52, 7, &type, &report); /* the first one may have met noise */
+    bool answered = ask_encoder(self, 0x52, 7, &type, &report);
+    answered = answered ||
+               ask_encoder(self, 0x52, 7, &type, &report); /* the first one may have met noise */
     if (!answered) {
         return unanswered(where, error);
     }
-    if (!ask(self, 0x56, 40, &made, &report)) {
+    if (!ask_encoder(self, 0x56, 40, &made, &report)) {
         return unanswered(where, error);
     }
     self->setting = type.bytes[2];
@@ -444,7 +445,7 @@ static int identify(struct hiperface *self, const char *where, struct lx_error *
 }
 
 /* How far readings of a shaft at rest, and times of answers, are apart. */
-static int measure(struct hiperface *self, const char *where, struct lx_error *error)
+static int measure_encoder(struct hiperface *self, const char *where, struct lx_error *error)
 {
     struct cf_report report = {0};
     struct frame came = {.at = 0};
@@ -453,7 +454,7 @@ static int measure(struct hiperface *self, const char *where, struct lx_error *e
     uint32_t before = 0;
     self->moves = 0;
     for (size_t i = 0; i < READINGS; i++) {
-        if (!ask(self, 0x42, 7, &came, &report)) {
+        if (!ask_encoder(self, 0x42, 7, &came, &report)) {
             return unanswered(where, error);
         }
         const dg_ns took = came.at > self->sent ? came.at - self->sent : 0;
@@ -484,7 +485,7 @@ static int scan(struct verify_encoder *base, struct lx_error *error)
     struct frame came = {.n = 0};
     for (uint8_t address = ADDRESS + 1u; address <= DG_HF_ADDRESS_LAST && came.n == 0; address++) {
         const uint8_t request[3] = {address, 0x52, (uint8_t)(address ^ 0x52u)};
-        if (!send_frame(self, request, sizeof request, &report) ||
+        if (!send_request(self, request, sizeof request, &report) ||
             !receive_frame(self, self->sent + SCAN_REPLY_MAX, 7, &came, &report)) {
             return lx_fail(error, "%s", report.text);
         }
@@ -521,8 +522,9 @@ static struct verify_encoder *open_encoder(const struct options *options, struct
     self->moves = MOVES_MAX;
     self->quiet = lx_real_now();
     self->fd = verify_stream_open(options->where, &uart, error);
-    if (self->fd < 0 || (!options->restore && (identify(self, options->where, error) != 0 ||
-                                               measure(self, options->where, error) != 0))) {
+    if (self->fd < 0 ||
+        (!options->restore && (identify_encoder(self, options->where, error) != 0 ||
+                               measure_encoder(self, options->where, error) != 0))) {
         close_encoder(&self->base);
         return NULL;
     }

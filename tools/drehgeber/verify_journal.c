@@ -52,7 +52,7 @@ static bool sync_folder(const char *path)
 }
 
 /* "b 000 42 00 27 25 51": a note. @return whether it is a whole one */
-static bool parse(char *line, struct verify_note *to)
+static bool parse_note(char *line, struct verify_note *to)
 {
     char *rest = NULL;
     char *word = strtok_r(line, " \n", &rest);
@@ -72,7 +72,7 @@ static bool parse(char *line, struct verify_note *to)
 }
 
 /* @return whether all of it is about this model */
-static bool load(struct verify_journal *self)
+static bool load_journal(struct verify_journal *self)
 {
     char line[3u * VERIFY_NOTE_BYTES + 32u];
     bool same = true;
@@ -81,21 +81,21 @@ static bool load(struct verify_journal *self)
             line[strcspn(line, "\n")] = '\0';
             same = strcmp(line + sizeof HEAD - 1u, self->model) == 0;
         } else {
-            self->count += parse(line, &self->notes[self->count]) ? 1u : 0u;
+            self->count += parse_note(line, &self->notes[self->count]) ? 1u : 0u;
         }
     }
     return same || self->count == 0;
 }
 
 /* Take what is in the file; of two runs only one may have it. */
-static int take(struct verify_journal *self, bool dirty, struct lx_error *error)
+static int take_journal(struct verify_journal *self, bool dirty, struct lx_error *error)
 {
     if (flock(fileno(self->file), LOCK_EX | LOCK_NB) != 0) {
         return lx_refuse(error, "expected another --journal for another encoder",
                          "%s: another run uses it", self->path);
     }
     rewind(self->file);
-    const bool same = load(self);
+    const bool same = load_journal(self);
     if (!dirty && self->count > 0) {
         return lx_refuse(error, "expected --restore, which puts back the old values",
                          "%s: an earlier run has left an encoder changed", self->path);
@@ -120,7 +120,7 @@ int verify_journal_open(struct verify_journal *self, const char *path, bool dirt
     if (self->file == NULL) {
         return lx_fail(error, "%s: %s", self->path, strerror(errno));
     }
-    return take(self, dirty, error);
+    return take_journal(self, dirty, error);
 }
 
 bool verify_journal_sync(struct verify_journal *self)

@@ -19,7 +19,7 @@ struct finding {
     const char *text; /* why; "": it agrees */
 };
 
-static struct finding find(const struct verify_suite *suite, size_t index)
+static struct finding find_clause(const struct verify_suite *suite, size_t index)
 {
     const struct verify_row *because;
     struct finding found = {.clause = &suite->rows->clauses[index]};
@@ -36,7 +36,7 @@ static void count(const struct verify_result *result, size_t counts[VERIFY_LOST 
     memset(counts, 0, (VERIFY_LOST + 1u) * sizeof counts[0]);
     for (size_t i = 0; i < result->suite_count; i++) {
         for (size_t k = 0; k < result->suites[i].rows->clause_count; k++) {
-            const struct finding found = find(&result->suites[i], k);
+            const struct finding found = find_clause(&result->suites[i], k);
             counts[found.outcome] += verify_asked(result, found.clause->id) ? 1u : 0u;
         }
     }
@@ -59,7 +59,7 @@ void verify_print_lines(const struct verify_result *result, FILE *to)
     for (size_t i = 0; i < result->suite_count; i++) {
         const struct verify_suite *suite = &result->suites[i];
         for (size_t k = 0; k < suite->rows->clause_count; k++) {
-            const struct finding found = find(suite, k);
+            const struct finding found = find_clause(suite, k);
             if (!verify_asked(result, found.clause->id)) {
                 continue;
             }
@@ -98,7 +98,7 @@ void verify_print_json(const struct verify_result *result, FILE *to)
     for (size_t i = 0; i < result->suite_count; i++) {
         const struct verify_suite *suite = &result->suites[i];
         for (size_t k = 0; k < suite->rows->clause_count; k++) {
-            const struct finding found = find(suite, k);
+            const struct finding found = find_clause(suite, k);
             if (!verify_asked(result, found.clause->id)) {
                 continue;
             }
@@ -139,7 +139,7 @@ void verify_print_junit(const struct verify_result *result, FILE *to)
                   counts[VERIFY_DIFFERS], counts[VERIFY_NOT_SEEN]);
     for (size_t i = 0; i < result->suite_count; i++) {
         for (size_t k = 0; k < result->suites[i].rows->clause_count; k++) {
-            const struct finding found = find(&result->suites[i], k);
+            const struct finding found = find_clause(&result->suites[i], k);
             if (verify_asked(result, found.clause->id)) {
                 print_case(&result->suites[i], &found, to);
             }
@@ -161,7 +161,7 @@ static void print_found(const struct verify_result *result, bool choices, FILE *
     for (size_t i = 0; i < result->suite_count; i++) {
         const struct verify_suite *suite = &result->suites[i];
         for (size_t k = 0; k < suite->rows->clause_count; k++) {
-            const struct finding found = find(suite, k);
+            const struct finding found = find_clause(suite, k);
             if (!verify_asked(result, found.clause->id)) {
                 continue;
             }

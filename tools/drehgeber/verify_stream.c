@@ -20,7 +20,7 @@
 
 /* A pseudo-terminal has no parity, which Debian's C library may call an invalid argument: that it
    has the speed is what counts. */
-static int configure(int fd, const struct lx_uart *uart)
+static int configure_tty(int fd, const struct lx_uart *uart)
 {
     const speed_t speed = (speed_t)lx_speed_of_baud(uart->baud);
     struct termios line;
@@ -53,7 +53,7 @@ int verify_stream_open(const char *where, const struct lx_uart *uart, struct lx_
         return fd;
     }
     const int fd = open(where, O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
-    if (fd < 0 || configure(fd, uart) != 0) {
+    if (fd < 0 || configure_tty(fd, uart) != 0) {
         (void)lx_fail(error, "%s: %s", where, strerror(errno));
         if (fd >= 0) {
             (void)close(fd);

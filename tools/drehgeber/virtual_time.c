@@ -102,7 +102,7 @@ int virtual_time_of(const char *text, const struct dg_plan *plan, dg_ns *span, b
 
 /* Who has said something is answered before time goes on. @return false: it is over, with `result`
  */
-static bool serve(sd_event *event, int *result)
+static bool serve_events(sd_event *event, int *result)
 {
     do {
         *result = sd_event_run(event, 0);
@@ -118,7 +118,7 @@ int virtual_time_loop(sd_event *event, dg_ns span)
 {
     const dg_ns end = dg_after(lx_now(), span);
     int result = 0;
-    while (serve(event, &result) && lx_time_pass(end)) {
+    while (serve_events(event, &result) && lx_time_pass(end)) {
     }
     return result;
 }
@@ -126,7 +126,7 @@ int virtual_time_loop(sd_event *event, dg_ns span)
 int virtual_time_steps(sd_event *event, struct lx_rig *rig)
 {
     int result = 0;
-    while (serve(event, &result)) {
+    while (serve_events(event, &result)) {
         if (!lx_rig_step(rig)) {
             result = sd_event_run(event, UINT64_MAX);
         }

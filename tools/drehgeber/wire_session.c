@@ -38,8 +38,8 @@ static const struct lx_stack *stack_of(const struct wire_session *self)
     return lx_stack_of(self->plan.encoders[0].model);
 }
 
-static int understand(struct wire_session *self, const struct options *options,
-                      struct lx_error *error)
+static int read_options(struct wire_session *self, const struct options *options,
+                        struct lx_error *error)
 {
     if (options_plan(options, &self->plan, error) != 0 ||
         refuse_courses(&self->plan.encoders[0].settings, error) != 0) {
@@ -99,7 +99,7 @@ static int open_session(struct wire_session *self, const struct options *options
     const char *shaft = options->shaft == NULL ? "0" : options->shaft;
 
     memset(self, 0, sizeof *self);
-    if (understand(self, options, error) != 0) {
+    if (read_options(self, options, error) != 0) {
         return EXIT_USAGE;
     }
     const int parsed = lx_shaft_parse(&self->shaft, shaft, NULL, error);
@@ -154,7 +154,7 @@ int wire_command_usage(const struct wire_command *self, const char *what, const 
 }
 
 /* Everything but what the words say. */
-static bool is_right(const struct wire_command *self, const struct options *options)
+static bool is_command_right(const struct wire_command *self, const struct options *options)
 {
     const struct dg_device *device = options->device;
     struct lx_words models = {""};
@@ -183,7 +183,7 @@ int wire_command_run(const struct wire_command *self, const struct options *opti
     struct lx_error close_error;
     struct words words = {options->words, options->word_count};
 
-    if (!is_right(self, options)) {
+    if (!is_command_right(self, options)) {
         return EXIT_USAGE;
     }
     int status = open_session(&session, options, 0, &error);

@@ -24,7 +24,7 @@ static uint32_t sum_of(const uint8_t *bytes, size_t n)
     return ~sum;
 }
 
-static void put(struct zip *self, const void *bytes, size_t n)
+static void put_bytes(struct zip *self, const void *bytes, size_t n)
 {
     self->bad = self->bad || fwrite(bytes, 1, n, self->to) != n;
     self->at += (uint32_t)n;
@@ -36,7 +36,7 @@ static void put_number(struct zip *self, uint32_t value, unsigned bytes)
     for (unsigned i = 0; i < bytes; i++) {
         text[i] = (uint8_t)(value >> 8 * i);
     }
-    put(self, text, bytes);
+    put_bytes(self, text, bytes);
 }
 
 /* What local headers and the list have in common. Every file is of 1980-01-01, for archives that
@@ -69,8 +69,8 @@ void zip_add(struct zip *self, const char *name, const void *bytes, size_t n)
     memcpy(entry->name, name, strlen(name) + 1);
     put_number(self, 0x04034B50u, 4);
     put_entry(self, entry);
-    put(self, name, strlen(name));
-    put(self, bytes, n);
+    put_bytes(self, name, strlen(name));
+    put_bytes(self, bytes, n);
 }
 
 int zip_end(struct zip *self)
@@ -86,7 +86,7 @@ int zip_end(struct zip *self)
         put_number(self, 0, 2);
         put_number(self, UINT32_C(0100644) << 16, 4);
         put_number(self, entry->at, 4);
-        put(self, entry->name, strlen(entry->name));
+        put_bytes(self, entry->name, strlen(entry->name));
     }
     const uint32_t end = self->at;
     put_number(self, 0x06054B50u, 4);

@@ -33,7 +33,7 @@ static void put_n(const char *text, size_t n)
     }
 }
 
-static void put(const char *text)
+static void put_escaped(const char *text)
 {
     put_n(text, strlen(text));
 }
@@ -45,7 +45,7 @@ static void put_line(const char *text, size_t n)
 }
 
 /* Paragraphs; lines that begin with blanks are set as they are. */
-static void put_text(const char *text)
+static void put_paragraphs(const char *text)
 {
     bool literal = false;
     for (const char *line = text; *line != '\0';) {
@@ -81,9 +81,9 @@ static void put_usage(const struct command_row *row)
 {
     const char *words = row->usage + strcspn(row->usage, " ");
     (void)fputs(".PP\n\\fBdrehgeber ", stdout);
-    put(row->name);
+    put_escaped(row->name);
     (void)fputs("\\fR", stdout);
-    put(words);
+    put_escaped(words);
     (void)putchar('\n');
 }
 
@@ -95,12 +95,12 @@ static void put_option(const struct argp_option *option)
         (void)printf("\\fB\\-%c\\fR, ", letter);
     }
     (void)fputs("\\fB\\-\\-", stdout);
-    put(option->name);
+    put_escaped(option->name);
     (void)fputs("\\fR", stdout);
     if (option->arg != NULL) {
         const bool optional = (option->flags & OPTION_ARG_OPTIONAL) != 0;
         (void)fputs(optional ? "[=\\fI" : "=\\fI", stdout);
-        put(option->arg);
+        put_escaped(option->arg);
         (void)fputs(optional ? "\\fR]" : "\\fR", stdout);
     }
     (void)putchar('\n');
@@ -127,7 +127,7 @@ static void put_options(const struct command_row *row)
 }
 
 /* Lines "  NAME   what it is (range)", and " title:". */
-static void put_keys(char *lines)
+static void put_key_lines(char *lines)
 {
     char *rest = lines;
     char *line;
@@ -163,9 +163,9 @@ static void put_settings(const struct lx_stack *stack)
     }
     (void)fclose(to);
     (void)fputs(".SS KEY=VALUE of ", stdout);
-    put(stack == NULL ? "what" : stack->trace->title);
+    put_escaped(stack == NULL ? "what" : stack->trace->title);
     (void)puts(stack == NULL ? " encoders sense" : " encoders");
-    put_keys(lines);
+    put_key_lines(lines);
     free(lines);
 }
 
@@ -187,9 +187,9 @@ static void put_models(const struct dg_stack *stack)
         const struct dg_device *device = dg_devices[i];
         if (stack == NULL || device->stack == stack) {
             (void)fputs(".TP\n\\fB", stdout);
-            put(device->name);
+            put_escaped(device->name);
             (void)fputs("\\fR\n", stdout);
-            put(device->wire);
+            put_escaped(device->wire);
             (void)fputs(", ", stdout);
             put_line(device->resolution, strlen(device->resolution));
         }
@@ -199,7 +199,7 @@ static void put_models(const struct dg_stack *stack)
 static void put_end(const char *command)
 {
     (void)puts(".SH EXIT STATUS");
-    put_text(help_exit);
+    put_paragraphs(help_exit);
     (void)puts(".SH SEE ALSO");
     const char *between = "";
     if (command != NULL) {
@@ -233,7 +233,7 @@ static void put_command(const struct command_row *row)
         }
     }
     (void)puts(".SH DESCRIPTION");
-    put_text(help_about(row->name));
+    put_paragraphs(help_about(row->name));
     put_options(row);
     if (has_option(row, " shaft ")) {
         put_motion();
@@ -258,11 +258,11 @@ static void put_program(void)
     put_head(NULL);
     (void)puts("drehgeber \\- be an absolute encoder, byte for byte\n.SH SYNOPSIS");
     (void)puts(".PP\n\\fBdrehgeber\\fR COMMAND [ARGUMENTS]\n.SH DESCRIPTION");
-    put_text(help_intro);
+    put_paragraphs(help_intro);
     (void)puts(".SH COMMANDS");
     for (size_t i = 0; i < command_row_count; i++) {
         (void)fputs(".TP\n\\fB", stdout);
-        put(command_rows[i].usage);
+        put_escaped(command_rows[i].usage);
         (void)fputs("\\fR\n", stdout);
         put_line(command_rows[i].help, strlen(command_rows[i].help));
     }

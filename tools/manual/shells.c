@@ -28,7 +28,7 @@ static const struct {
     {"CHIP:MA,SLO", "chip"}, {"MODEL", "any"},
 };
 
-static const char *kind_of(const char *arg)
+static const char *argument_kind_of(const char *arg)
 {
     for (size_t i = 0; arg != NULL && i < DG_COUNT(kinds); i++) {
         if (strcmp(kinds[i].arg, arg) == 0) {
@@ -61,7 +61,7 @@ static void put_commands(void)
 }
 
 /* Models of a command, or words that may stand there. */
-static void put_models(void)
+static void put_model_function(void)
 {
     begin_function("models");
     for (size_t i = 0; i < command_row_count; i++) {
@@ -83,7 +83,7 @@ static void put_models(void)
     end_function();
 }
 
-static void put_keys(void)
+static void put_key_function(void)
 {
     begin_function("keys");
     for (size_t i = 0; i < lx_stack_count; i++) {
@@ -135,7 +135,7 @@ static void put_bash_options(void)
     for (const struct argp_option *option = table; table != NULL && !options_end(option);
          option++) {
         if (option->name != NULL && option->arg != NULL) {
-            (void)printf("        --%s) echo %s ;;\n", option->name, kind_of(option->arg));
+            (void)printf("        --%s) echo %s ;;\n", option->name, argument_kind_of(option->arg));
         }
     }
     free(table);
@@ -221,8 +221,8 @@ void manual_bash(void)
 {
     (void)fputs("# shellcheck shell=bash\n" HEAD, stdout);
     put_commands();
-    put_models();
-    put_keys();
+    put_model_function();
+    put_key_function();
     put_ring();
     put_bash_options();
     (void)fputs(bash_rest, stdout);
@@ -257,7 +257,7 @@ static void put_zsh_option(const struct argp_option *option)
     if (option->arg != NULL) {
         (void)fputs(optional ? "::" : ":", stdout);
         put_doc(option->arg);
-        (void)printf(":_drehgeber_%s", kind_of(option->arg));
+        (void)printf(":_drehgeber_%s", argument_kind_of(option->arg));
     }
     (void)putchar('\'');
 }
@@ -342,8 +342,8 @@ static const char zsh_rest[] =
 void manual_zsh(void)
 {
     (void)fputs("#compdef drehgeber\n" HEAD, stdout);
-    put_models();
-    put_keys();
+    put_model_function();
+    put_key_function();
     put_ring();
     put_zsh_commands();
     (void)fputs(zsh_rest, stdout);

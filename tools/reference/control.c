@@ -11,7 +11,7 @@
 #include "drehgeber/instruments.h"
 #include "drehgeber/quantity.h"
 
-static void print_list(const struct dg_scpi_commands *list)
+static void print_command_rows(const struct dg_scpi_commands *list)
 {
     for (size_t i = 0; i < list->count; i++) {
         const struct dg_scpi_command *row = &list->rows[i];
@@ -33,14 +33,14 @@ static void print_list(const struct dg_scpi_commands *list)
     }
 }
 
-static void print_commands(const struct dg_scpi_commands *list)
+static void print_command_table(const struct dg_scpi_commands *list)
 {
     puts("| command | parameters | query | what |");
     puts("|---|---|---|---|");
-    print_list(list);
+    print_command_rows(list);
 }
 
-static const char *kind_of(enum dg_fault_kind kind)
+static const char *fault_kind_of(enum dg_fault_kind kind)
 {
     static const char *const names[] = {
         [DG_FAULT_WORLD] = "world",
@@ -61,7 +61,7 @@ static void print_faults(const struct dg_device *device)
     puts("| name | kind | cause | what the device does | source |");
     puts("|---|---|---|---|---|");
     for (size_t i = 0; dg_fault_entry(&target, i, &entry); i++) {
-        printf("| `%s` | %s | %s | %s | %s |\n", entry.name, kind_of(entry.kind), entry.cause,
+        printf("| `%s` | %s | %s | %s | %s |\n", entry.name, fault_kind_of(entry.kind), entry.cause,
                entry.effect, entry.chapter);
     }
 }
@@ -84,7 +84,7 @@ static void print_courses(void)
         char header[64];
         (void)snprintf(header, sizeof header, "WORLd:...%s", strstr(row.header, ":PROFile"));
         row.header = header;
-        print_list(&(struct dg_scpi_commands){&row, 1});
+        print_command_rows(&(struct dg_scpi_commands){&row, 1});
     }
 }
 
@@ -103,7 +103,7 @@ static bool print_part(const char *word)
     }
     for (size_t i = 0; i < dg_instrument_count; i++) {
         if (names(word, dg_instruments[i]->stack, "-commands")) {
-            print_commands(&dg_instruments[i]->commands);
+            print_command_table(&dg_instruments[i]->commands);
             return true;
         }
     }
@@ -113,7 +113,7 @@ static bool print_part(const char *word)
 int main(int argc, char **argv)
 {
     if (argc == 2 && strcmp(argv[1], "commands") == 0) {
-        print_commands(&dg_control_commands);
+        print_command_table(&dg_control_commands);
         return 0;
     }
     if (argc == 2 && strcmp(argv[1], "courses") == 0) {

@@ -8,7 +8,7 @@
 #include "parts.h"
 #include "rig_private.h"
 
-static void print_row(const struct rig_key *key)
+static void print_key_row(const struct rig_key *key)
 {
     (void)printf("| `%s` | %s | %s | %s |\n", key->name, key->takes,
                  key->usual == NULL ? "needed" : key->usual, key->help);
@@ -42,7 +42,7 @@ static void print_addresses(void)
         char takes[128];
         (void)snprintf(takes, sizeof takes, "%s to %s, or FIRST..LAST", first.text, last.text);
         const struct rig_key key = {row->name, takes, usual.text, row->help};
-        print_row(&key);
+        print_key_row(&key);
     }
 }
 
@@ -53,7 +53,7 @@ static int print_section(const char *name)
     puts("| key | takes | default | what it is |");
     puts("|---|---|---|---|");
     for (const struct rig_key *key = kind->keys; key->name != NULL; key++) {
-        print_row(key);
+        print_key_row(key);
     }
     if (kind->numbered) {
         print_addresses();

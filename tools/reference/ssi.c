@@ -8,7 +8,7 @@
 #include "drehgeber/ssi.h"
 #include "parts.h"
 
-static void print_model(const struct dg_device *device)
+static void print_model_row(const struct dg_device *device)
 {
     static const char *const codes[DG_SSI_CODE_COUNT] = {"Gray", "binary"};
     static const char *const errors[DG_SSI_ERROR_BIT_COUNT] = {"", ", error bit (1: error)",
@@ -27,9 +27,9 @@ static int print_models(void)
 {
     puts("| model | MT | ST | code | word behind the first rising edge | clocks | tm |");
     puts("|---|---|---|---|---|---|---|");
-    print_model(&dg_ssi_13);
-    print_model(&dg_ssi_25);
-    print_model(&dg_ssi_28);
+    print_model_row(&dg_ssi_13);
+    print_model_row(&dg_ssi_25);
+    print_model_row(&dg_ssi_28);
     return 0;
 }
 

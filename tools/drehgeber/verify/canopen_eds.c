@@ -6,7 +6,7 @@
 #include <string.h>
 
 /* The value of a key, up to the end of its line; NULL when section or key are not there. */
-static const char *find(char *text, const char *section, const char *key)
+static const char *find_value(char *text, const char *section, const char *key)
 {
     char head[64];
     char line[64];
@@ -47,7 +47,7 @@ bool canopen_eds(const struct dg_device *device, char **words, size_t n, struct 
     }
     dg_co_eds(dg_cia406_sheet(dg_cia406_model_of(device)->device), write_text, to);
     (void)fclose(to);
-    const char *got = find(text, words[1], words[2]);
+    const char *got = find_value(text, words[1], words[2]);
     const char *shown = got != NULL ? got : "none";
     bool right = strcmp(shown, words[3]) == 0;
     if (!right) {

@@ -4,8 +4,8 @@
 #include <stdlib.h>
 
 /* Region and offset are words 1 and 2; -1 when `length` bytes are not there. */
-static int place(const struct dg_store_layout *layout, char **words, size_t length,
-                 unsigned long *offset)
+static int find_bytes_at(const struct dg_store_layout *layout, char **words, size_t length,
+                         unsigned long *offset)
 {
     int region = dg_store_find(layout, words[1]);
 
@@ -17,7 +17,7 @@ bool canopen_damage(struct cf_memory *nvm, const struct dg_store_layout *layout,
                     size_t n, struct cf_report *report)
 {
     unsigned long offset = 0;
-    int region = n >= 3 ? place(layout, words, 1, &offset) : -1;
+    int region = n >= 3 ? find_bytes_at(layout, words, 1, &offset) : -1;
     unsigned long mask = n == 4 ? strtoul(words[3], NULL, 16) : 0x01;
 
     if (region < 0) {
@@ -32,7 +32,7 @@ bool canopen_stored(struct cf_memory *nvm, const struct dg_store_layout *layout,
                     size_t n, struct cf_report *report)
 {
     unsigned long offset = 0;
-    int region = n >= 4 ? place(layout, words, n - 3, &offset) : -1;
+    int region = n >= 4 ? find_bytes_at(layout, words, n - 3, &offset) : -1;
     uint8_t bytes[DG_STORE_CHECKED_MAX];
     struct dg_store store;
 

@@ -46,7 +46,7 @@ bool canopen_step_world(void *ctx, char **words, size_t n, struct cf_report *rep
 
 /* --- LEDs ---------------------------------------------------------------------------------- */
 
-static struct dg_cia406_leds look(struct canopen_bench *b)
+static struct dg_cia406_leds step_lamps(struct canopen_bench *b)
 {
     canopen_note_deadline(b, dg_co_step(&b->node, b->now));
     return dg_cia406_leds(&b->node);
@@ -54,7 +54,7 @@ static struct dg_cia406_leds look(struct canopen_bench *b)
 
 static bool lit(struct canopen_bench *b, bool red)
 {
-    struct dg_cia406_leds leds = look(b);
+    struct dg_cia406_leds leds = step_lamps(b);
 
     return red ? leds.err : leds.bus;
 }
@@ -101,7 +101,7 @@ bool canopen_step_leds(void *ctx, char **words, size_t n, struct cf_report *repo
     bool held = together || (n == 2 && strcmp(words[1], "apart") == 0);
 
     for (int i = 0; i < 500 && held; i++) {
-        struct dg_cia406_leds leds = look(b);
+        struct dg_cia406_leds leds = step_lamps(b);
 
         held = (leds.bus == leds.err) == together;
         canopen_run_until(b, b->now + DG_MS(1), false);

@@ -105,8 +105,8 @@ static void ask_filters(struct canopen_bench *b)
     b->filter_count = dg_co_filters(&b->node, b->filters);
 }
 
-static bool deliver(struct canopen_bench *b, const struct dg_can_frame *frame,
-                    struct cf_report *report)
+static bool deliver_frame(struct canopen_bench *b, const struct dg_can_frame *frame,
+                          struct cf_report *report)
 {
     const struct cf_unit unit = unit_of(frame);
 
@@ -191,7 +191,7 @@ static bool step_data(void *ctx, char **words, size_t n, struct cf_report *repor
     if (padded && words[0][1] != '!') {
         frame.dlc = 8;
     }
-    return deliver(b, &frame, report);
+    return deliver_frame(b, &frame, report);
 }
 
 /* rtr ID */
@@ -206,7 +206,7 @@ static bool step_rtr(void *ctx, char **words, size_t n, struct cf_report *report
     if (!parse_id(words[1], &frame, report)) {
         return false;
     }
-    return deliver(b, &frame, report);
+    return deliver_frame(b, &frame, report);
 }
 
 static void print_frame(char *to, size_t size, const struct dg_can_frame *frame)
@@ -400,7 +400,7 @@ static bool step_sdo(void *ctx, char **words, size_t n, struct cf_report *report
         answer.data[0] = 0x80;
         dg_store_le32(&answer.data[4], (uint32_t)strtoul(words[n - 1], NULL, 16));
     }
-    if (!deliver(b, &request, report)) {
+    if (!deliver_frame(b, &request, report)) {
         return false;
     }
     canopen_run_until(b, b->now + PATIENCE, true);

@@ -145,7 +145,7 @@ static dg_ns line_timeout(const struct bench *b)
 }
 
 /* What arrives at the moment of a deadline comes before it. */
-static void receive(struct bench *b, dg_ns at, uint8_t byte, int flags)
+static void receive_character(struct bench *b, dg_ns at, uint8_t byte, int flags)
 {
     run_until(b, at - 1, false);
     b->now = at;
@@ -161,9 +161,9 @@ static void send_character(struct bench *b, uint8_t byte, bool damaged)
     bool foreign = uart.baud != line_baud(b) || uart.parity != line_parity(b);
     dg_ns start = b->now;
 
-    receive(b, start, 0, DG_HF_RX_START);
-    receive(b, start + line_character(b), byte,
-            damaged || foreign ? DG_HF_RX_DAMAGED : DG_HF_RX_OK);
+    receive_character(b, start, 0, DG_HF_RX_START);
+    receive_character(b, start + line_character(b), byte,
+                      damaged || foreign ? DG_HF_RX_DAMAGED : DG_HF_RX_OK);
 }
 
 /* "5ms", "300us", "43b" (bit times of the master's line); 0 when it is none of them. */

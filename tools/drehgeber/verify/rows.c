@@ -55,14 +55,14 @@ static char *read_file(const char *name)
     return text;
 }
 
-static bool complain(const char *name, int line, const char *what)
+static bool complain_of_line(const char *name, int line, const char *what)
 {
     (void)fprintf(stderr, "%s:%d: %s\n", name, line, what);
     return false;
 }
 
 /* Cuts blanks off both ends. */
-static char *trim(char *text)
+static char *trim_blanks(char *text)
 {
     size_t n;
 
@@ -81,23 +81,23 @@ static bool parse_clause(struct cf_suite *suite, char *text, int line)
     char *bar = strchr(text, '|');
 
     if (bar == NULL || suite->clause_count == CF_CLAUSES_MAX) {
-        return complain(suite->clauses_name, line, "not `ID | text`, or too many clauses");
+        return complain_of_line(suite->clauses_name, line, "not `ID | text`, or too many clauses");
     }
     *bar = '\0';
     char *listed = strchr(bar + 1, '|');
     if (listed != NULL) {
         *listed = '\0';
-        listed = trim(listed + 1);
+        listed = trim_blanks(listed + 1);
         if (strncmp(listed, LISTED, strlen(LISTED)) != 0 || listed[strlen(LISTED)] == '\0') {
-            return complain(suite->clauses_name, line, "not `ID | text | listed KEY`");
+            return complain_of_line(suite->clauses_name, line, "not `ID | text | listed KEY`");
         }
         listed += strlen(LISTED);
     }
-    if (*trim(text) == '\0' || *trim(bar + 1) == '\0') {
-        return complain(suite->clauses_name, line, "ID or text is missing");
+    if (*trim_blanks(text) == '\0' || *trim_blanks(bar + 1) == '\0') {
+        return complain_of_line(suite->clauses_name, line, "ID or text is missing");
     }
     suite->clauses[suite->clause_count++] =
-        (struct cf_clause){.id = trim(text), .listed = listed, .line = line};
+        (struct cf_clause){.id = trim_blanks(text), .listed = listed, .line = line};
     return true;
 }
 
@@ -106,14 +106,15 @@ static bool parse_head(struct cf_suite *suite, char *text, int line)
     char *close = strchr(text, ']');
     struct cf_row *row = &suite->rows[suite->row_count];
 
-    if (close == NULL || suite->row_count == CF_ROWS_MAX || *trim(close + 1) == '\0') {
-        return complain(suite->rows_name, line, "not `[IDs] title`, or too many rows");
+    if (close == NULL || suite->row_count == CF_ROWS_MAX || *trim_blanks(close + 1) == '\0') {
+        return complain_of_line(suite->rows_name, line, "not `[IDs] title`, or too many rows");
     }
     *close = '\0';
-    *row = (struct cf_row){.title = trim(close + 1), .first_line = suite->line_count, .line = line};
+    *row = (struct cf_row){
+        .title = trim_blanks(close + 1), .first_line = suite->line_count, .line = line};
     row->cited_count = cf_split(text + 1, row->cited, CF_CITED_MAX + 1u);
     if (row->cited_count > CF_CITED_MAX) {
-        return complain(suite->rows_name, line, "row cites too many clauses to prove each");
+        return complain_of_line(suite->rows_name, line, "row cites too many clauses to prove each");
     }
     suite->row_count++;
     return true;
@@ -125,15 +126,16 @@ static bool parse_row_line(struct cf_suite *suite, char *text, int line)
         return parse_head(suite, text, line);
     }
     if (suite->row_count == 0 || suite->line_count == CF_LINES_MAX) {
-        return complain(suite->rows_name, line, "step before the first row, or too many steps");
+        return complain_of_line(suite->rows_name, line,
+                                "step before the first row, or too many steps");
     }
     suite->lines[suite->line_count++] = (struct cf_line){.text = text, .number = line};
     suite->rows[suite->row_count - 1].line_count++;
     return true;
 }
 
-static bool parse(struct cf_suite *suite, char *text,
-                  bool (*parse_line)(struct cf_suite *, char *, int))
+static bool parse_lines(struct cf_suite *suite, char *text,
+                        bool (*parse_line)(struct cf_suite *, char *, int))
 {
     bool good = text != NULL;
     int line = 1;
@@ -144,7 +146,7 @@ static bool parse(struct cf_suite *suite, char *text,
         char *body;
 
         text[n] = '\0';
-        body = trim(text);
+        body = trim_blanks(text);
         if (*body != '\0' && *body != '#') {
             good = parse_line(suite, body, line);
         }
@@ -164,8 +166,8 @@ bool cf_load(struct cf_suite *suite, const char *clauses_name, const char *rows_
     suite->texts[1] = read_file(rows_name);
     suite->page = page_name == NULL ? NULL : read_file(page_name);
     return (page_name == NULL || suite->page != NULL) &&
-           parse(suite, suite->texts[0], parse_clause) &&
-           parse(suite, suite->texts[1], parse_row_line);
+           parse_lines(suite, suite->texts[0], parse_clause) &&
+           parse_lines(suite, suite->texts[1], parse_row_line);
 }
 
 void cf_unload(struct cf_suite *suite)

@@ -13,7 +13,7 @@
 #define ORIGIN_PREFIX "http://"
 
 /* The name without port and brackets. @return false: it is none */
-static bool split(const char *host, char name[GATE_HOST_MAX])
+static bool split_host(const char *host, char name[GATE_HOST_MAX])
 {
     const bool six = host[0] == '[';
     const char *begin = host + (six ? 1 : 0);
@@ -50,7 +50,7 @@ static bool is_machine(const char *name)
 bool gate_host(const char *host, const char *at, bool open)
 {
     char name[GATE_HOST_MAX];
-    if (!split(host, name)) {
+    if (!split_host(host, name)) {
         return false;
     }
     return is_address(name) || strcasecmp(name, "localhost") == 0 || strcasecmp(name, at) == 0 ||

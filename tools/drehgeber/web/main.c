@@ -40,7 +40,7 @@ static int add_signals(sd_event *event)
 }
 
 /* Prints where the page is; who has brought a token knows it. */
-static int tell(const struct web_server *server, const char *token)
+static int tell_address(const struct web_server *server, const char *token)
 {
     const bool open = web_server_is_open(server);
     if (open) {
@@ -57,7 +57,7 @@ static int tell(const struct web_server *server, const char *token)
     return EXIT_OTHER;
 }
 
-static int serve(sd_event *event, char **arguments)
+static int serve_page(sd_event *event, char **arguments)
 {
     struct web_setup setup = {.event = event, .watch = arguments[4][0] != '\0'};
     struct lx_error error;
@@ -82,7 +82,7 @@ static int serve(sd_event *event, char **arguments)
     if (server == NULL) {
         return complain(&error, EXIT_OTHER);
     }
-    int status = tell(server, own ? setup.token : NULL);
+    int status = tell_address(server, own ? setup.token : NULL);
     if (status == EXIT_OK && web_server_run(server) != 0) {
         lx_complain("the event loop ended");
         status = EXIT_OTHER;
@@ -102,7 +102,7 @@ int main(int argc, char **argv)
         lx_complain("no event loop");
         return EXIT_OTHER;
     }
-    const int status = serve(event, argv);
+    const int status = serve_page(event, argv);
     (void)sd_event_unref(event);
     return status;
 }

@@ -42,7 +42,7 @@ static bool is_ours(const struct web_http *self, struct lws *wsi, char host[GATE
            (header(wsi, WSI_TOKEN_ORIGIN, origin, sizeof origin) && gate_origin(origin, host));
 }
 
-static const struct web_file *find(const char *path)
+static const struct web_file *find_file(const char *path)
 {
     for (size_t i = 0; i < web_file_count; i++) {
         if (strcmp(web_files[i].path, path) == 0) {
@@ -57,7 +57,7 @@ struct answer {
     unsigned char *at;
 };
 
-static bool add(struct lws *wsi, struct answer *to, const char *name, const char *value)
+static bool add_header(struct lws *wsi, struct answer *to, const char *name, const char *value)
 {
     return lws_add_http_header_by_name(wsi, (const unsigned char *)name,
                                        (const unsigned char *)value, (int)strlen(value), &to->at,
@@ -65,7 +65,7 @@ static bool add(struct lws *wsi, struct answer *to, const char *name, const char
 }
 
 /* Not every browser takes 'self' for WebSockets, too. `host` is that of a name or an address. */
-static bool add_all(struct lws *wsi, struct answer *to, const char *host)
+static bool add_headers(struct lws *wsi, struct answer *to, const char *host)
 {
     char policy[GATE_HOST_MAX + 256u];
     (void)snprintf(policy, sizeof policy,
@@ -82,7 +82,7 @@ static bool add_all(struct lws *wsi, struct answer *to, const char *host)
         {"cross-origin-opener-policy:", "same-origin"},
     };
     for (size_t i = 0; i < DG_COUNT(rows); i++) {
-        if (!add(wsi, to, rows[i][0], rows[i][1])) {
+        if (!add_header(wsi, to, rows[i][0], rows[i][1])) {
             return false;
         }
     }
@@ -100,7 +100,7 @@ static int answer_file(struct web_http *self, struct lws *wsi, const char *host)
     unsigned char *end = answer.bytes + sizeof answer.bytes;
     if (lws_add_http_common_headers(wsi, HTTP_STATUS_OK, self->file->type, self->file->size,
                                     &answer.at, end) != 0 ||
-        !add_all(wsi, &answer, host) ||
+        !add_headers(wsi, &answer, host) ||
         lws_finalize_write_http_header(wsi, answer.bytes + LWS_PRE, &answer.at, end) != 0) {
         return -1;
     }
@@ -111,7 +111,7 @@ static int answer_file(struct web_http *self, struct lws *wsi, const char *host)
     return lws_callback_on_writable(wsi) < 0 ? -1 : 0;
 }
 
-static int refuse(struct lws *wsi, unsigned status, const char *why)
+static int refuse_request(struct lws *wsi, unsigned status, const char *why)
 {
     (void)lws_return_http_status(wsi, status, why);
     return -1;
@@ -120,17 +120,18 @@ static int refuse(struct lws *wsi, unsigned status, const char *why)
 int web_http_request(struct web_http *self, struct lws *wsi, const char *path)
 {
     char host[GATE_HOST_MAX];
-    self->file = find(path);
+    self->file = find_file(path);
     self->sent = 0;
     if (!is_ours(self, wsi, host)) {
-        return refuse(wsi, HTTP_STATUS_FORBIDDEN,
-                      "This is not a name of this machine, or it is a page of another site; use an "
-                      "address");
+        return refuse_request(
+            wsi, HTTP_STATUS_FORBIDDEN,
+            "This is not a name of this machine, or it is a page of another site; use an "
+            "address");
     }
     if (lws_hdr_total_length(wsi, WSI_TOKEN_GET_URI) == 0 && !is_head(wsi)) {
-        return refuse(wsi, HTTP_STATUS_METHOD_NOT_ALLOWED, "expected GET");
+        return refuse_request(wsi, HTTP_STATUS_METHOD_NOT_ALLOWED, "expected GET");
     }
-    return self->file == NULL ? refuse(wsi, HTTP_STATUS_NOT_FOUND, NULL)
+    return self->file == NULL ? refuse_request(wsi, HTTP_STATUS_NOT_FOUND, NULL)
                               : answer_file(self, wsi, host);
 }
 
@@ -160,7 +161,7 @@ int web_http_upgrade(struct lws *wsi, const char *to)
 {
     return strcasecmp(to, "websocket") == 0
                ? 0
-               : refuse(wsi, HTTP_STATUS_BAD_REQUEST, "websocket is the only upgrade here");
+               : refuse_request(wsi, HTTP_STATUS_BAD_REQUEST, "websocket is the only upgrade here");
 }
 
 /* RFC 6455, 4.4. */
@@ -169,7 +170,7 @@ static int refuse_version(struct lws *wsi)
     struct answer answer = {.at = answer.bytes + LWS_PRE};
     unsigned char *end = answer.bytes + sizeof answer.bytes;
     if (lws_add_http_common_headers(wsi, UPGRADE_REQUIRED, NULL, 0, &answer.at, end) != 0 ||
-        !add(wsi, &answer, "sec-websocket-version:", VERSION)) {
+        !add_header(wsi, &answer, "sec-websocket-version:", VERSION)) {
         return -1;
     }
     const int sent = lws_finalize_write_http_header(wsi, answer.bytes + LWS_PRE, &answer.at, end);
@@ -182,14 +183,14 @@ int web_http_admit(const struct web_http *self, struct lws *wsi, const char *pro
     char version[sizeof VERSION + 1u];
     char path[sizeof SOCKET_PATH + 1u];
     if (!is_ours(self, wsi, host) || lws_hdr_total_length(wsi, WSI_TOKEN_ORIGIN) == 0) {
-        return refuse(wsi, HTTP_STATUS_FORBIDDEN, "Only for the page from here");
+        return refuse_request(wsi, HTTP_STATUS_FORBIDDEN, "Only for the page from here");
     }
     if (!header(wsi, WSI_TOKEN_GET_URI, path, sizeof path) || strcmp(path, SOCKET_PATH) != 0 ||
         protocol == NULL || strcmp(protocol, WEB_PROTOCOL) != 0) {
-        return refuse(wsi, HTTP_STATUS_NOT_FOUND, NULL);
+        return refuse_request(wsi, HTTP_STATUS_NOT_FOUND, NULL);
     }
     if (!header(wsi, WSI_TOKEN_VERSION, version, sizeof version) || strcmp(version, VERSION) != 0) {
         return refuse_version(wsi);
     }
-    return room ? 0 : refuse(wsi, HTTP_STATUS_SERVICE_UNAVAILABLE, WEB_TOO_MANY);
+    return room ? 0 : refuse_request(wsi, HTTP_STATUS_SERVICE_UNAVAILABLE, WEB_TOO_MANY);
 }

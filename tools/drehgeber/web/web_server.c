@@ -87,7 +87,7 @@ static void unlink_rig(struct connection *self)
 }
 
 /* Say why, once the browser listens, and close. */
-static void end(struct connection *self, int code, const char *why)
+static void end_connection(struct connection *self, int code, const char *why)
 {
     unlink_rig(self);
     self->ended = code;
@@ -121,7 +121,7 @@ static int on_rig(sd_event_source *source, int fd, uint32_t events, void *ctx)
     (void)fd;
     (void)events;
     if (rig_link_serve(&self->link) != 0) {
-        end(self, CLOSE_RIG, "the rig is gone");
+        end_connection(self, CLOSE_RIG, "the rig is gone");
         return 0;
     }
     take_answer(self);
@@ -144,7 +144,7 @@ static void link_rig(struct connection *self)
                                  on_rig, self);
     }
     if (result < 0) {
-        end(self, CLOSE_RIG, "the rig is gone");
+        end_connection(self, CLOSE_RIG, "the rig is gone");
         return;
     }
     (void)lws_callback_on_writable(self->wsi); /* for the greeting */
@@ -172,56 +172,56 @@ static unsigned count_pages(const struct web_server *self)
 }
 
 /* The token comes first, and once. */
-static void take_token(struct connection *self)
+static void take_guard_line(struct connection *self)
 {
     if (lx_guard_line(&self->guard, self->line, self->length) != LX_GUARD_SKIP) {
-        end(self, CLOSE_TOKEN, "that is not the token");
+        end_connection(self, CLOSE_TOKEN, "that is not the token");
         return;
     }
     if (count_pages(self->server) > WEB_PAGES_MAX) {
-        end(self, CLOSE_RIG, WEB_TOO_MANY);
+        end_connection(self, CLOSE_RIG, WEB_TOO_MANY);
         return;
     }
     self->deadline = DG_NEVER;
     link_rig(self);
 }
 
-static void take_line(struct connection *self)
+static void take_browser_line(struct connection *self)
 {
     if (!gate_line(self->line, self->length)) {
-        end(self, CLOSE_LINE, "a message is a line of SCPI");
+        end_connection(self, CLOSE_LINE, "a message is a line of SCPI");
     } else if (!self->guard.named) {
         self->line[self->length++] = '\n';
-        take_token(self);
+        take_guard_line(self);
     } else if (self->server->setup.watch && !gate_watches(self->line)) {
-        end(self, CLOSE_LINE, "this panel only watches");
+        end_connection(self, CLOSE_LINE, "this panel only watches");
     } else if (!rig_link_say(&self->link, self->line)) {
-        end(self, CLOSE_RIG, "the rig does not take what it is told");
+        end_connection(self, CLOSE_RIG, "the rig does not take what it is told");
     } else {
         count_line(self);
         watch_rig(self);
     }
 }
 
-static void receive(struct connection *self, const char *bytes, size_t n)
+static void receive_bytes(struct connection *self, const char *bytes, size_t n)
 {
     if (self->ended != 0) {
         return;
     }
     self->length = lws_is_first_fragment(self->wsi) != 0 ? 0 : self->length;
     if (n >= WEB_LINE_MAX - self->length || lws_frame_is_binary(self->wsi) != 0) {
-        end(self, CLOSE_LINE, "a message is a line of SCPI");
+        end_connection(self, CLOSE_LINE, "a message is a line of SCPI");
         return;
     }
     memcpy(self->line + self->length, bytes, n);
     self->length += n;
     self->line[self->length] = '\0';
     if (lws_is_final_fragment(self->wsi) != 0) {
-        take_line(self);
+        take_browser_line(self);
     }
 }
 
-static int say(struct connection *self, const char *text)
+static int say_to_rig(struct connection *self, const char *text)
 {
     const size_t n = strlen(text);
     unsigned char *message = malloc(LWS_PRE + n);
@@ -238,7 +238,7 @@ static int say(struct connection *self, const char *text)
 }
 
 /* The browser takes a message. @return -1: close it */
-static int send_message(struct connection *self)
+static int send_to_browser(struct connection *self)
 {
     if (self->ended != 0) {
         char why[64]; /* lws takes no const */
@@ -253,12 +253,12 @@ static int send_message(struct connection *self)
     if (!self->greeted) {
         self->greeted = true;
         (void)lws_callback_on_writable(self->wsi);
-        return say(self, self->server->setup.watch ? "ready watch" : "ready");
+        return say_to_rig(self, self->server->setup.watch ? "ready watch" : "ready");
     }
     if (self->answer == NULL) {
         return 0;
     }
-    const int result = say(self, self->answer);
+    const int result = say_to_rig(self, self->answer);
     self->answer = NULL;
     take_answer(self);
     return result;
@@ -266,7 +266,7 @@ static int send_message(struct connection *self)
 
 /* --- libwebsockets --- */
 
-static void forget(struct connection *self)
+static void forget_connection(struct connection *self)
 {
     unlink_rig(self);
     self->wsi = NULL;
@@ -294,7 +294,7 @@ static int on_http(struct lws *wsi, enum lws_callback_reasons reason, void *user
         return web_http_admit(&self->http, wsi, in, count_pages(self->server) < WEB_PAGES_MAX);
     }
     if (reason == LWS_CALLBACK_WSI_DESTROY) {
-        forget(self);
+        forget_connection(self);
     }
     return 0;
 }
@@ -304,11 +304,11 @@ static int on_socket(struct lws *wsi, enum lws_callback_reasons reason, void *us
 {
     struct connection *self = lws_get_opaque_user_data(wsi);
     if (self != NULL && reason == LWS_CALLBACK_RECEIVE) {
-        receive(self, in, n);
+        receive_bytes(self, in, n);
         return 0;
     }
     if (self != NULL && reason == LWS_CALLBACK_SERVER_WRITEABLE) {
-        return send_message(self);
+        return send_to_browser(self);
     }
     return on_http(wsi, reason, user, in, n);
 }
@@ -347,15 +347,15 @@ static int open_context(struct web_server *self, struct lx_error *error)
 
 /* --- connections --- */
 
-static void cut(struct connection *self)
+static void cut_connection(struct connection *self)
 {
     lws_set_timeout(self->wsi, PENDING_TIMEOUT_USER_OK, LWS_TO_KILL_SYNC);
 }
 
-static void sweep(struct connection *self, dg_ns now)
+static void sweep_connection(struct connection *self, dg_ns now)
 {
     if (self->deadline <= now) {
-        cut(self);
+        cut_connection(self);
         return;
     }
     if (self->allowance == 0) {
@@ -372,7 +372,7 @@ static void on_sweep(void *ctx, dg_ns now)
     struct web_server *self = ctx;
     for (size_t i = 0; i < WEB_CONNECTIONS_MAX; i++) {
         if (self->connections[i].wsi != NULL) {
-            sweep(&self->connections[i], now);
+            sweep_connection(&self->connections[i], now);
         }
     }
     lx_timer_at(&self->sweep, dg_after(now, SWEEP_EVERY));
@@ -380,7 +380,7 @@ static void on_sweep(void *ctx, dg_ns now)
 
 /* A free place, or that of the one which has been there for longest without naming the token. Pages
    are fewer than places. */
-static struct connection *place(struct web_server *self)
+static struct connection *find_connection(struct web_server *self)
 {
     struct connection *oldest = NULL;
     for (size_t i = 0; i < WEB_CONNECTIONS_MAX; i++) {
@@ -392,7 +392,7 @@ static struct connection *place(struct web_server *self)
             oldest = one;
         }
     }
-    cut(oldest);
+    cut_connection(oldest);
     return oldest;
 }
 
@@ -406,7 +406,7 @@ static int on_connection(sd_event_source *source, int fd, uint32_t events, void 
     if (socket.sockfd < 0) {
         return 0; /* it has gone again, or there is no descriptor for it */
     }
-    struct connection *connection = place(self);
+    struct connection *connection = find_connection(self);
     *connection = (struct connection){
         .server = self,
         .http = {.where = &self->setup.where},
@@ -450,7 +450,7 @@ static int start_listening(struct web_server *self, struct lx_error *error)
     return 0;
 }
 
-static int start(struct web_server *self, const char *control, struct lx_error *error)
+static int start_server(struct web_server *self, const char *control, struct lx_error *error)
 {
     if (rig_link_open(&self->first, control, error) != 0) {
         return -1;
@@ -482,7 +482,7 @@ struct web_server *web_server_open(const char *control, const struct web_setup *
     self->setup = *setup;
     self->listener = -1;
     self->first.fd = -1;
-    if (start(self, control, error) != 0) {
+    if (start_server(self, control, error) != 0) {
         web_server_close(self);
         return NULL;
     }
