@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """`drehgeber verify --write`: what was changed when the command was killed is put back by --restore; what cannot be put back is
 not done; the supply is cut by a program or by the user."""
+import fcntl
 import os
 import pty
 import random
@@ -8,7 +9,7 @@ import subprocess
 
 import pytest
 
-from rig import run_refused
+from rig import run, run_refused
 from verified import LIMIT_S, MODELS, WIRES, Between, Crowd, command, cut, results, state, verify
 
 SEED = 20261123
@@ -96,6 +97,63 @@ def test_one_that_dies_changed_is_restored_later(crowd):
     assert restored.stdout == "the encoder is as it was\n" and state("s3684-rs485", folder) == before
     again = verify("s3684-rs485", folder / "link", "--restore", "--journal", journal)
     assert again.stdout == "nothing is left to put back\n"
+
+
+# --- the journal ----------------------------------------------------------------------------------
+
+HEAD, NOTE = "of s3684-rs485\n", "b 000 42 00 27 25 51 .\n"
+LEFT = "an earlier run has left an encoder changed; expected --restore, which puts back the old values"
+JOURNALS = {
+    "a note": (HEAD + NOTE, ["--write"], LEFT),
+    "as many as fit": (HEAD + NOTE * 5000, ["--write"], LEFT),
+    "another model": ("of f3668\n" + NOTE, ["--restore"], "not of a s3684-rs485; expected the model of the interrupted run"),
+    "a note that is torn": (HEAD + NOTE[:-2], ["--write"], None),
+    "a note that is too long": (HEAD + "b 000" + " 00" * 4000 + " .\n", ["--write"], None),
+    "other lines": (HEAD + "\nx 000 42 .\nb\n", ["--restore"], None),
+}
+
+
+@pytest.mark.parametrize("text, options, refusal", JOURNALS.values(), ids=JOURNALS)
+def test_a_journal_is_read_first(tmp_path, text, options, refusal):
+    journal = tmp_path / "journal"
+    journal.write_text(text)
+    ended = run("verify", "s3684-rs485", "--tty=/dev/null", *options, "--journal", str(journal))
+    complaint = ended.stderr.splitlines()[-1]
+    assert (ended.returncode, ended.stdout) == (1, "")
+    if refusal is None:  # then it is the wire that is missing
+        assert complaint.startswith("drehgeber: /dev/null: "), complaint
+    else:
+        assert complaint == f"drehgeber: {journal}: {refusal}"
+    assert journal.read_text() == text
+
+
+@pytest.mark.parametrize("places, folder", [({"XDG_STATE_HOME": "state", "HOME": "home"}, "state"),
+                                            ({"HOME": "home"}, "home/.local/state")])
+def test_where_the_journal_is(tmp_path, monkeypatch, places, folder):
+    (tmp_path / "home").mkdir()
+    monkeypatch.delenv("XDG_STATE_HOME", raising=False)
+    for name, place in places.items():
+        monkeypatch.setenv(name, str(tmp_path / place))
+    ended = run("verify", "s3684-rs485", "--tty=/dev/null", "--write")
+    journal = tmp_path / folder / "drehgeber/verify.journal"
+    assert ended.stderr.splitlines()[0].endswith(f"; journal: {journal}") and journal.read_bytes() == b""
+
+
+def test_a_journal_without_a_place(tmp_path, monkeypatch):
+    monkeypatch.delenv("XDG_STATE_HOME", raising=False)
+    monkeypatch.delenv("HOME", raising=False)
+    arguments = ["verify", "s3684-rs485", "--tty=/dev/null", "--write"]
+    assert run_refused(1, *arguments) == "drehgeber: no folder for the journal; expected --journal=FILE"
+    path = tmp_path / "missing/journal"
+    assert run_refused(1, *arguments, "--journal", str(path)) == f"drehgeber: {path}: No such file or directory"
+
+
+def test_two_runs_need_two_journals(tmp_path):
+    journal = tmp_path / "journal"
+    with journal.open("w") as other:
+        fcntl.flock(other, fcntl.LOCK_EX)
+        said = run_refused(1, "verify", "s3684-rs485", "--tty=/dev/null", "--write", "--journal", str(journal))
+    assert said == f"drehgeber: {journal}: another run uses it; expected another --journal for another encoder"
 
 
 # --- what is allowed ------------------------------------------------------------------------------
