@@ -220,6 +220,25 @@ static void what_a_default_can_be(void **state)
     }
 }
 
+/* As many bytes as there is room for; more digits than that are a text, of which the end is left out. */
+static void digits_without_end(void **state)
+{
+    static char text[2200];
+    (void)state;
+    for (unsigned bytes = DG_EDS_LONG_MAX; bytes <= DG_EDS_LONG_MAX + 1u; bytes++) {
+        const int n = snprintf(text, sizeof text,
+                               "[1000]\nDataType=7\nAccessType=ro\nDefaultValue=0x20196\n"
+                               "[2300]\nAccessType=rw\nDataType=0x0A\nDefaultValue=");
+        memset(&text[n], '5', 2u * bytes);
+        memcpy(&text[(size_t)n + 2u * bytes], "\n", 2);
+        eds_rig_read_text(&rig, text);
+        const struct dg_co_long *value = dg_co_find_long(&rig.file.file, DG_CO_KEY(0x2300, 0));
+        assert_non_null(value);
+        assert_int_equal(value->n, DG_EDS_LONG_MAX);
+        assert_int_equal(value->initial[0], bytes == DG_EDS_LONG_MAX ? 0x55 : '5');
+    }
+}
+
 /* What stands where the encoder has something of 32 bits, or a text, only stores. */
 static void objects_of_the_encoder_keep_their_types(void **state)
 {
@@ -243,6 +262,7 @@ int main(void)
         cmocka_unit_test(more_than_there_is_room_for_is_refused),
         cmocka_unit_test(wide_limits_have_two_ends),
         cmocka_unit_test(what_a_default_can_be),
+        cmocka_unit_test(digits_without_end),
         cmocka_unit_test(objects_of_the_encoder_keep_their_types),
     };
     return cmocka_run_group_tests_name("eds_long_ends", tests, NULL, NULL);

@@ -385,6 +385,15 @@ static void nobody_needs_the_figures(void **state)
     assert_ptr_equal(self.store.layout, layout_of("la26"));
 }
 
+/* An SSI encoder has no EEPROM, and so nothing in it has figures. */
+static void without_an_eeprom_there_is_no_stamp(void **state)
+{
+    struct dg_model_stamp stamp = {.memory = NULL};
+    (void)state;
+    dg_model_stamp_make(&stamp, dg_model_text_of(find("reel")->stack), NULL);
+    assert_null(stamp.memory);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -401,6 +410,7 @@ int main(void)
         cmocka_unit_test(memories_that_fail_do_no_harm),
         cmocka_unit_test(figures_that_are_none),
         cmocka_unit_test(nobody_needs_the_figures),
+        cmocka_unit_test(without_an_eeprom_there_is_no_stamp),
     };
     return cmocka_run_group_tests(tests, read_plan, NULL);
 }

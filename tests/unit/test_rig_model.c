@@ -197,6 +197,10 @@ static void bases_that_are_none(void **state)
     assert_int_equal(read_in(&bench, "[model a]\nbase = a\n", MEMORY_SIZE), DG_ERR_ARGUMENT);
     assert_string_equal(bench.error.what, "a is none");
     assert_non_null(strstr(bench.error.right, " ssi-13 ssi-25"));
+    assert_int_equal(
+        read_in(&bench, "[model a]\nbase = ssi-13\n[model b]\nbase = c\n", MEMORY_SIZE),
+        DG_ERR_ARGUMENT);
+    assert_string_equal(bench.error.right + strlen(bench.error.right) - 2u, " a");
     assert_int_equal(read_in(&bench, "[model a]\nbase = f3668\n", MEMORY_SIZE), DG_ERR_ARGUMENT);
     assert_string_equal(bench.error.what, "f3668 has no figures that a text can change");
     assert_int_equal(bench.error.line, 2);
@@ -222,6 +226,8 @@ static void what_is_inherited(void **state)
     assert_false(dg_biss_model_of(dg_plan_find_model(&bench.plan, "c"))->no_eds);
     assert_false(dg_biss_model_of(dg_plan_find_model(&bench.plan, "c"))->unidirectional);
     assert_refused(&bench, "s3674-biss", "inherit = registers,banks", "registers,banks is none",
+                   "expected inherit = registers,eds");
+    assert_refused(&bench, "s3674-biss", "inherit = edx", "edx is none",
                    "expected inherit = registers,eds");
     assert_refused(&bench, "ssi-13", "inherit = registers",
                    "ssi-13 has nothing to inherit but figures", "leave it out");
@@ -254,6 +260,8 @@ static void figures_that_are_none(void **state)
 #define FRAME_OF_BISS                                                                              \
     "expected a frame of P and any of E W L C, each once, 0 and 1, together at most 63 bits"
 
+#define DIGITS "expected device_id of 12 hexadecimal digits"
+
 static void figures_that_do_not_fit(void **state)
 {
     static const struct {
@@ -275,7 +283,10 @@ static void figures_that_do_not_fit(void **state)
         {"s3684-biss\nframe = P E W C", "expected L in the frame and lc = 1, or neither"},
         {"s3684-biss\nst = 32\nmt = 14\ncrc_poly = 190D9h", FRAME_OF_BISS},
         {"s3684-biss\ncrc_start = 64", START_OF_CRC},
-        {"s3684-biss\ndevice_id = 0400C000000G", "expected device_id of 12 hexadecimal digits"},
+        {"s3684-biss\ndevice_id = 0400C000000G", DIGITS},
+        {"s3684-biss\ndevice_id = 0400C000000/", DIGITS},
+        {"s3684-biss\ndevice_id = 0400C00000:0", DIGITS},
+        {"s3684-biss\ndevice_id = 0400C00000@0", DIGITS},
         {"s3684-biss\ncrc_poly = 25h\ncrc_start = 20h", START_OF_CRC},
         {"s3684-biss\nbusy_us = 30\nbusy_jitter_us = 30",
          "expected busy_us and busy_jitter_us, together at most 40"},
@@ -305,6 +316,10 @@ static void a_catalogue_has_no_shafts(void **state)
     assert_int_equal(read_in(&bench, "[model a]\nbase = ssi-13\n[shaft s]\n", MEMORY_SIZE),
                      DG_ERR_ARGUMENT);
     assert_string_equal(bench.error.what, "lab/bench.ini: without encoders");
+    assert_int_equal(
+        read_in(&bench, "[model a]\nbase = ssi-13\n[bus b]\nwire = slcan\n", MEMORY_SIZE),
+        DG_ERR_ARGUMENT);
+    assert_string_equal(bench.error.what, "[bus b]: without encoders");
 }
 
 /* However little there is, it says that it is not enough. */

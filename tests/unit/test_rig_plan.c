@@ -217,6 +217,9 @@ static void a_host_that_includes_nothing(void **state)
     assert_int_equal(dg_plan_read(&bench.plan, &setup, &bench.error), DG_ERR_ARGUMENT);
     assert_int_equal(bench.error.line, 2);
     assert_string_equal(bench.error.key, "include");
+    struct dg_plan_setup nowhere = setup;
+    nowhere.memory = NULL;
+    assert_int_equal(dg_plan_read(&bench.plan, &nowhere, &bench.error), DG_ERR_SPACE);
 }
 
 /* --- files that include each other --- */
@@ -274,6 +277,27 @@ static void included_where_the_word_stands(void **state)
     assert_string_equal(text, "lab/bench.ini:5: lab/sub/wires.ini:2: lab/sub/more/bus.ini");
 }
 
+static const struct file halls[] = {
+    {"lab/hall.ini", "[rig]\nname = hall\nthreads = 4\nfiles = a\nmemory = 4096\n"},
+};
+
+/* Of what two files say of the rig, the included one is believed: its section ends first. */
+static void the_included_file_is_believed(void **state)
+{
+    static struct bench bench;
+    (void)state;
+    bench.files = halls;
+    bench.count = DG_COUNT(halls);
+    read_good(&bench, "[rig]\nthreads = 2\nfiles = b\nmemory = 1024\ncontrol = tcp:127.0.0.1:0\n"
+                      "include = hall.ini\n" ENCODER);
+    assert_int_equal(bench.plan.threads, 4);
+    assert_string_equal(bench.plan.files, "lab/a");
+    assert_int_equal(bench.plan.course_memory, 4096);
+    assert_true(bench.plan.controls[0].tcp);
+    assert_string_equal(bench.plan.controls[0].where, "tcp:127.0.0.1:0");
+    assert_refused(&bench, "[rig]\nthreads = none\n" ENCODER, "", 2, "none is none");
+}
+
 /* Wherever the memory ends, the plan is empty, and nobody is told that a word is wrong. */
 static void memory_that_ends_anywhere(void **state)
 {
@@ -301,6 +325,22 @@ static void memory_that_ends_anywhere(void **state)
 }
 
 /* Addresses of the control plane, whose ports and hosts are looked at as far as words go. */
+/* Names that nobody wrote need memory, too. */
+static void memory_of_the_shortest_rig(void **state)
+{
+    static struct bench bench;
+    int result = DG_ERR_SPACE;
+    (void)state;
+    for (size_t size = 0; result != DG_OK; size++) {
+        result = read_in(&bench,
+                         "[encoder a]\nmodel = s3684-biss\nwire = sim\nserial = 123456789\n", size);
+        assert_true(result == DG_OK || result == DG_ERR_SPACE);
+        assert_true(size < MEMORY_SIZE);
+    }
+    assert_string_equal(bench.plan.name, "bench");
+    assert_string_equal(bench.plan.encoders[0].serial, "123456789");
+}
+
 static void control_addresses(void **state)
 {
     static const struct {
@@ -318,6 +358,8 @@ static void control_addresses(void **state)
         {"tcp:localhost:65535,open,token=t", true},
         {"tcp:localhost:65536", false},
         {"tcp:[]:5025", false},
+        {"tcp:[a:5025", true},
+        {"tcp:ab:5025", true},
         {"tcp:ab]:5025", true},
         {"tcp:[]a:5025", true},
         {"tcp:abc:5025", true},
@@ -445,7 +487,9 @@ int main(void)
         cmocka_unit_test(settings_of_wires),
         cmocka_unit_test(a_setup_of_another_version),
         cmocka_unit_test(included_where_the_word_stands),
+        cmocka_unit_test(the_included_file_is_believed),
         cmocka_unit_test(memory_that_ends_anywhere),
+        cmocka_unit_test(memory_of_the_shortest_rig),
         cmocka_unit_test(a_plan_without_a_text),
         cmocka_unit_test(where_settings_stand),
         cmocka_unit_test(a_host_that_includes_nothing),

@@ -82,6 +82,7 @@ static const struct row whole[] = {
     {"#H7FFFFFFFFFFFFFFF", INT64_MAX, GOOD}, {"#H00000000000000000001", 1, GOOD},
     {"#H8000000000000000", BEFORE, RANGE("-9223372036854775808..9223372036854775807")},
     {"#H10000000000000000", BEFORE, RANGE("-9223372036854775808..9223372036854775807")},
+    {"#H1000000000000000000", BEFORE, RANGE("-9223372036854775808..9223372036854775807")},
     {"", BEFORE, "-109,\"Missing parameter;NUMBer N\"\n"},
     {"MINI", BEFORE, TYPE("MINI")}, {"MAX 1", BEFORE, "-102,\"Syntax error;1; expected NUMBer N\"\n"}, {"abc", BEFORE, TYPE("abc")}, {"-", BEFORE, TYPE("-")},
     {".", BEFORE, TYPE(".")}, {"+.", BEFORE, TYPE("+.")}, {"--1", BEFORE, TYPE("--1")}, {"\"1\"", BEFORE, TYPE("\"\"1\"\"")},
@@ -96,7 +97,7 @@ static const struct row thousandths[] = {
     {"#H1", BEFORE, TYPE("#H1")}, {"0x1", BEFORE, SUFFIX("x1", "a number alone")},
 };
 static const struct row angles[] = {
-    {"90", 1073741824, GOOD}, {"90DEG", 1073741824, GOOD}, {"90 deg", 1073741824, GOOD}, {"-90", -1073741824, GOOD}, {"9E1DEG", 1073741824, GOOD},
+    {"90", 1073741824, GOOD}, {"90DEG", 1073741824, GOOD}, {"90 deg", 1073741824, GOOD}, {"90\tDEG", 1073741824, GOOD}, {"90\t", 1073741824, GOOD}, {"-90", -1073741824, GOOD}, {"9E1DEG", 1073741824, GOOD},
     {"1REV", 4294967296, GOOD}, {"0.25rev", 1073741824, GOOD}, {"-2.5 REV", -10737418240, GOOD}, {"360", 4294967296, GOOD},
     {"1", 11930465, GOOD}, {"-1", -11930464, GOOD}, {"1E-6", 12, GOOD}, {"-1E-6", -11, GOOD}, {"1E-9", 1, GOOD}, {"-1E-9", 0, GOOD},
     {"0.000000000000000000000000000000001", 1, GOOD}, {"1E-2000", 1, GOOD}, {"-1E-2000", 0, GOOD}, {"0.0E-3", 0, GOOD},
@@ -115,7 +116,7 @@ static const struct row accelerations[] = {
     {"60", 60000, GOOD}, {"60 RPM/S", 60000, GOOD}, {"-1", BEFORE, RANGE("0..1000000.5 RPM/S")}, {"60RPM", BEFORE, SUFFIX("RPM", "RPM/S")},
 };
 static const struct row spans[] = {
-    {"5", 5000000, GOOD}, {"5MS", 5000000, GOOD}, {"5 s", 5000000000, GOOD}, {"5us", 5000, GOOD}, {"5NS", 5, GOOD}, {"0.5NS", 0, GOOD}, {"1E-3S", 1000000, GOOD},
+    {"5", 5000000, GOOD}, {"5\t", 5000000, GOOD}, {"5MS", 5000000, GOOD}, {"5 s", 5000000000, GOOD}, {"5us", 5000, GOOD}, {"5NS", 5, GOOD}, {"0.5NS", 0, GOOD}, {"1E-3S", 1000000, GOOD},
     {"9223372036.854775807S", INT64_MAX, GOOD}, {"MAX", INT64_MAX, GOOD},
     {"9223372036.854775808S", BEFORE, RANGE("0..9223372036854.775807 MS")}, {"-1", BEFORE, RANGE("0..9223372036854.775807 MS")}, {"1M", BEFORE, SUFFIX("M", "MS, S, US or NS")},
     {"18446744073.9S", BEFORE, RANGE("0..9223372036854.775807 MS")},
