@@ -9,8 +9,8 @@ import pytest
 from rig import REPOSITORY, run, run_refused
 
 LIBRARY = Path(os.environ.get("LIBDREHGEBER", REPOSITORY / "build/release/libdrehgeber.so"))
-STRICT = ["-std=c11", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror", *os.environ.get("CFLAGS", "").split(),
-          f"-I{REPOSITORY}/include"]
+WARNED = ["-std=c11", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror", f"-I{REPOSITORY}/include"]
+STRICT = [*WARNED, *os.environ.get("CFLAGS", "").split()]
 # Another maker's encoder: cells with and without limits, signed ones, texts, what follows the node-ID, parts of the
 # memory, a speed with a sign, cams; as a DCF with a node-ID and a bit rate.
 OTHER = """[DeviceInfo]
@@ -365,10 +365,10 @@ def test_the_comparison_sees_what_differs(files, played, before, after):
 
 def test_it_names_its_protocol_alone(files):
     (files / "small.c").write_text(made(files, "other.dcf"))
-    subprocess.run(["gcc", *STRICT, "-Os", "-fno-pic", "-fno-pie", "-c", "small.c"], cwd=files, check=True)
+    # as for a firmware: sanitizers and coverage of the tree would add names and data of their own
+    subprocess.run(["gcc", *WARNED, "-Os", "-fno-pic", "-fno-pie", "-c", "small.c"], cwd=files, check=True)
     listed = subprocess.check_output(["nm", "small.o"], cwd=files, text=True).splitlines()
     needed = {line.split()[-1] for line in listed if line.split()[-2] == "U"}
-    needed = {name for name in needed if not name.startswith("__gcov_")}  # of a tree that measures coverage
     assert needed and all(name.startswith(("dg_co_", "dg_cia406_")) for name in needed), needed
     assert not [line for line in listed if line.split()[-2] in "BbDC"]
 
