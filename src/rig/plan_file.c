@@ -34,7 +34,7 @@ int dg_plan_check_below(struct rig_reader *in, const struct dg_plan_setting *wor
                ? 0
                : dg_plan_wrong_word(
                      in, word, RIG_SAY("expected a file in the folder of this one, or below it"),
-                     RIG_SAY(word->value, " is none"));
+                     RIG_SAY(word->value, " is not allowed"));
 }
 
 int dg_plan_fetch_text(struct rig_reader *in, const struct dg_plan_setting *word, const char *path,

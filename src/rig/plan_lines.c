@@ -261,7 +261,7 @@ static int take_word(struct rig_reader *self, const char *key, const char *value
     if (before != NULL && (kind->repeats == NULL || !dg_plan_same(kind->repeats, key))) {
         return dg_plan_wrong_word(
             self, &word, RIG_SAY("expected one of them"),
-            RIG_SAY("stands in line ", dg_plan_line_text(self->plan, before->line, self->line).text,
+            RIG_SAY("given in line ", dg_plan_line_text(self->plan, before->line, self->line).text,
                     " already"));
     }
     return dg_plan_word_add(self, section, &word);

@@ -41,7 +41,7 @@ int dg_plan_refuse_model(struct rig_reader *in, const struct rig_section *sectio
                                        RIG_SAY("expected ", key, " = MODEL, one of:", models.room),
                                        RIG_SAY("without a ", key))
                : dg_plan_wrong_word(in, word, RIG_SAY("expected one of:", models.room),
-                                    RIG_SAY(word->value, " is none"));
+                                    RIG_SAY(word->value, " is unknown"));
 }
 
 /* ---------------------------------------------------------------- name, base */
@@ -179,7 +179,7 @@ static int refuse_heirloom(struct rig_reader *in, const struct dg_plan_setting *
         dg_plan_add(&right.text, RIG_SAY(i == 0 ? "" : ",", names[i]));
     }
     return dg_plan_wrong_word(in, word, RIG_SAY("expected inherit = ", right.room),
-                              RIG_SAY(word->value, " is none"));
+                              RIG_SAY(word->value, " is unknown"));
 }
 
 /* Bit n: heirloom n is named by the first `n` characters; 0: none is. */

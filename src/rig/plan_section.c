@@ -258,7 +258,7 @@ static int take_name(struct rig_reader *in, const struct dg_plan_setting *name)
         return dg_plan_wrong_word(in, name,
                                   RIG_SAY("expected 1 to ", dg_plan_number(DG_PLAN_NAME_MAX).text,
                                           " letters, digits, _ and -"),
-                                  RIG_SAY(name->value, " is none"));
+                                  RIG_SAY(name->value, " is not a valid name"));
     }
     if (plan->name != NULL) {
         return dg_plan_wrong_word(in, name, RIG_SAY("expected one name"),
@@ -282,7 +282,8 @@ static int take_threads(struct rig_reader *in, const struct dg_plan_setting *thr
     }
     if (dg_key_set(&row, &count, threads->value) != DG_OK) {
         dg_key_say_right(&row, &text);
-        return dg_plan_wrong_word(in, threads, RIG_SAY(right), RIG_SAY(threads->value, " is none"));
+        return dg_plan_wrong_word(in, threads, RIG_SAY(right),
+                                  RIG_SAY(threads->value, " is not a valid number"));
     }
     in->plan->threads = in->plan->threads == 0 ? count : in->plan->threads;
     return 0;
@@ -299,7 +300,7 @@ static int take_course_memory(struct rig_reader *in, const struct dg_plan_settin
     if (!dg_unsigned_parse(memory->value, &bytes) || bytes < DG_PLAN_POINT_BYTES ||
         bytes > DG_PLAN_COURSE_MEMORY_MAX) {
         return dg_plan_wrong_word(in, memory, RIG_SAY("expected a number in 16..1099511627776"),
-                                  RIG_SAY(memory->value, " is none"));
+                                  RIG_SAY(memory->value, " is not a valid number"));
     }
     in->plan->course_memory = bytes;
     return 0;

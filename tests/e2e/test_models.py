@@ -106,7 +106,7 @@ def test_a_rig_with_models(tmp_path):
 @pytest.mark.parametrize("text, right", [
     ("[model a]\nbase = s3674-biss\nst = 33\n", "a.ini:3: st 33: expected a number in 8..32"),
     ("[model ssi-13]\nbase = ssi-25\n", "a.ini:1: [model ssi-13]: ssi-13 is built in; expected another name"),
-    ("[model a]\nbase = a\n", "a.ini:2: base: a is none; expected one of:"),
+    ("[model a]\nbase = a\n", "a.ini:2: base: a is unknown; expected one of:"),
     ("[model a]\nbase = ssi-13\n[shaft s]\n", "a.ini: without encoders"),
 ])
 def test_what_is_wrong_and_where(tmp_path, text, right):
@@ -193,7 +193,7 @@ def test_a_rig_names_what_is_sold(folder, tmp_path):
     path.write_text("[model mine]\nbase = rls-la11-26\nst = 20\n")
     assert asked("biss", path, "read", "--shaft", "90DEG", env=folder).startswith("MT 0  ST 262144 ")
     path.write_text("[encoder a]\nmodel = renishaw-resolute-33\nwire = sim\n")
-    assert "bench.ini:2: model: renishaw-resolute-33 is none; expected one of:" in run_refused(2, "run", path, env=folder)
+    assert "bench.ini:2: model: renishaw-resolute-33 is unknown; expected one of:" in run_refused(2, "run", path, env=folder)
 
 
 def test_it_is_found_where_it_is_installed(tmp_path):

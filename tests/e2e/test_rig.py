@@ -432,7 +432,7 @@ BAD = [
      ":2: wire: .*wire = slcan and address = /x in a line each"),
     ("[encoder a]\nmodel = s3684-rs485\nwire = pty:x\n[encoder b]\nmodel = s3684-rs485\nwire = pty:x\n", 2,
      r":6: wire: .*\[bus NAME\] with wire = pty and address = .*x"),
-    ("[encoder a]\nmodel = \x1b[31mred\a\n", 2, r":2: model: \?\[31mred\? is none"),
+    ("[encoder a]\nmodel = \x1b[31mred\a\n", 2, r":2: model: \?\[31mred\? is unknown"),
     ("[encoder a]\nmodel = f3668\nwire = slcan\n = 5\n", 2, ":4: no key in front of '= 5'; expected KEY = VALUE"),
     ("[shaft a]\nmotion = 90\n[encoder a]\nmodel = f3668\nwire = slcan\n", 2, ":2: motion 90: .*90DEG or 90RPM"),
 ]

@@ -151,8 +151,8 @@ def test_models_of_a_rig(vendor, tmp_path):
 
 @pytest.mark.parametrize("model, said", [
     ("missing.eds", "text:2: model: missing.eds: No such file or directory"),
-    ("/etc/x.eds", "text:2: model: /etc/x.eds is none; expected a file in the folder of this one, or below it"),
-    ("../vendor.eds", "text:2: model: ../vendor.eds is none; expected a file in the folder of this one, or below it"),
+    ("/etc/x.eds", "text:2: model: /etc/x.eds is not allowed; expected a file in the folder of this one, or below it"),
+    ("../vendor.eds", "text:2: model: ../vendor.eds is not allowed; expected a file in the folder of this one, or below it"),
     ("link.eds", "text:2: model: link.eds: not in the folder for files; expected a name below it"),
     ("empty.eds", "text:2: model: empty.eds: no object; expected an EDS or DCF file, with sections as [1000]"),
 ])

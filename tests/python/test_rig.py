@@ -152,7 +152,7 @@ ENCODER = "[encoder a]\nmodel = f3668\nwire = slcan\n"
 WRONG = {
     "": "^text: without encoders; ",
     "[motor]\n": r"^text:1: \[motor\]: no such section; expected .* or \[encoder NAME\]",
-    "[encoder a]\nmodel = s9\n": "^text:2: model: s9 is none; expected one of: s3674-rs485 ",
+    "[encoder a]\nmodel = s9\n": "^text:2: model: s9 is unknown; expected one of: s3674-rs485 ",
     ENCODER + "node = 500\n": r"^text:4: node 500: expected a node-ID in 1\.\.127",
     ENCODER + "nod = 5\n": r"^text:4: \[encoder a\]: f3668: nod=5: no such name",
     ENCODER + "serial = -5\n": r"^text:4: \[encoder a\]: f3668: serial=-5: expected 0\.\.",

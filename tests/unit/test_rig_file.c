@@ -215,7 +215,7 @@ static void no_way_out_of_the_folder(void **state)
         char text[100];
         char what[64];
         (void)snprintf(text, sizeof text, "[encoder a]\nmodel = %s\nwire = slcan\n", names[i]);
-        (void)snprintf(what, sizeof what, "%s is none", names[i]);
+        (void)snprintf(what, sizeof what, "%s is not allowed", names[i]);
         assert_refused(text, 2, what, "expected a file in the folder of this one, or below it");
         assert_string_equal(bench.asked, "");
     }

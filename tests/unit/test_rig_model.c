@@ -167,7 +167,7 @@ static void models_of_the_host(void **state)
     assert_null(dg_plan_find_model(&bench.plan, "lent")); /* nobody is asked any more */
     setup.find_model = NULL;
     assert_int_equal(dg_plan_read(&bench.plan, &setup, &bench.error), DG_ERR_ARGUMENT);
-    assert_string_equal(bench.error.what, "lent is none");
+    assert_string_equal(bench.error.what, "lent is unknown");
 }
 
 static void names_that_are_taken(void **state)
@@ -195,7 +195,7 @@ static void bases_that_are_none(void **state)
     assert_int_equal(read_in(&bench, "[model a]\nst = 13\n", MEMORY_SIZE), DG_ERR_ARGUMENT);
     assert_string_equal(bench.error.what, "without a base");
     assert_int_equal(read_in(&bench, "[model a]\nbase = a\n", MEMORY_SIZE), DG_ERR_ARGUMENT);
-    assert_string_equal(bench.error.what, "a is none");
+    assert_string_equal(bench.error.what, "a is unknown");
     assert_non_null(strstr(bench.error.right, " ssi-13 ssi-25"));
     assert_int_equal(
         read_in(&bench, "[model a]\nbase = ssi-13\n[model b]\nbase = c\n", MEMORY_SIZE),
@@ -225,9 +225,9 @@ static void what_is_inherited(void **state)
     assert_true(dg_biss_model_of(dg_plan_find_model(&bench.plan, "b"))->no_eds);
     assert_false(dg_biss_model_of(dg_plan_find_model(&bench.plan, "c"))->no_eds);
     assert_false(dg_biss_model_of(dg_plan_find_model(&bench.plan, "c"))->unidirectional);
-    assert_refused(&bench, "s3674-biss", "inherit = registers,banks", "registers,banks is none",
+    assert_refused(&bench, "s3674-biss", "inherit = registers,banks", "registers,banks is unknown",
                    "expected inherit = registers,eds");
-    assert_refused(&bench, "s3674-biss", "inherit = edx", "edx is none",
+    assert_refused(&bench, "s3674-biss", "inherit = edx", "edx is unknown",
                    "expected inherit = registers,eds");
     assert_refused(&bench, "ssi-13", "inherit = registers",
                    "ssi-13 has nothing to inherit but figures", "leave it out");

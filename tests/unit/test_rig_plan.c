@@ -132,9 +132,9 @@ static void clients_have_memory_for_courses(void **state)
     assert_true(bench.plan.course_memory == DG_PLAN_COURSE_MEMORY_MAX);
     for (size_t i = 0; i < DG_COUNT(wrong); i++) {
         char text[80];
-        char what[40];
+        char what[60];
         (void)snprintf(text, sizeof text, "[rig]\nmemory = %s\n" ENCODER, wrong[i]);
-        (void)snprintf(what, sizeof what, "%s is none", wrong[i]);
+        (void)snprintf(what, sizeof what, "%s is not a valid number", wrong[i]);
         assert_refused(&bench, text, "", 2, what);
         assert_string_equal(bench.error.right, "expected a number in 16..1099511627776");
     }
@@ -295,7 +295,7 @@ static void the_included_file_is_believed(void **state)
     assert_int_equal(bench.plan.course_memory, 4096);
     assert_true(bench.plan.controls[0].tcp);
     assert_string_equal(bench.plan.controls[0].where, "tcp:127.0.0.1:0");
-    assert_refused(&bench, "[rig]\nthreads = none\n" ENCODER, "", 2, "none is none");
+    assert_refused(&bench, "[rig]\nthreads = none\n" ENCODER, "", 2, "none is not a valid number");
 }
 
 /* Wherever the memory ends, the plan is empty, and nobody is told that a word is wrong. */
@@ -456,7 +456,7 @@ static void no_way_out_of_the_folder(void **state)
         char text[80];
         char what[80];
         (void)snprintf(text, sizeof text, "[rig]\ninclude = %s\n", paths[i]);
-        (void)snprintf(what, sizeof what, "%s is none", paths[i]);
+        (void)snprintf(what, sizeof what, "%s is not allowed", paths[i]);
         assert_refused(&bench, text, "", 2, what);
     }
     assert_int_equal(bench.asked, 0);

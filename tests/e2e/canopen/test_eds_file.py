@@ -132,8 +132,8 @@ def test_encoders_of_a_rig_file_have_the_objects_of_theirs(tmp_path, vendor):
 
 @pytest.mark.parametrize("model, said", [
     ("missing.eds", "bench.ini:2: model: missing.eds: No such file or directory"),
-    ("/etc/vendor.eds", "bench.ini:2: model: /etc/vendor.eds is none; expected a file in the folder of this one, or below it"),
-    ("../vendor.eds", "bench.ini:2: model: ../vendor.eds is none; expected a file in the folder of this one, or below it"),
+    ("/etc/vendor.eds", "bench.ini:2: model: /etc/vendor.eds is not allowed; expected a file in the folder of this one, or below it"),
+    ("../vendor.eds", "bench.ini:2: model: ../vendor.eds is not allowed; expected a file in the folder of this one, or below it"),
     ("link.eds", "bench.ini:2: model: link.eds: not in the folder for files; expected a name below it"),
     ("own.eds", "bench.ini:2: model: own.eds:{line}: [6501] DefaultValue: not the figures of the encoder with this identity; "
                 "expected 65536 steps, and 4096 turns or one"),

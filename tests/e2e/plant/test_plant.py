@@ -125,7 +125,7 @@ def test_what_is_wrong_is_found(wrapped, edit, complaint, frames):
 def test_a_rig_that_does_not_start(wrapped):
     result = run(*SMALL, program=wrapped("s/f3668/f9999/"))
     assert result.returncode == 1
-    assert re.search(r"^plant: plant-\d has ended with 2: .*f9999 is none", result.stderr, re.M), result.stderr
+    assert re.search(r"^plant: plant-\d has ended with 2: .*f9999 is unknown", result.stderr, re.M), result.stderr
 
 
 def test_what_it_started_ends_with_it(wrapped, tmp_path):

@@ -508,7 +508,7 @@ def test_an_eds_file_is_an_encoder(still):
 
 @pytest.mark.parametrize("text, wrong", [
     (LA26.replace("26\n", "99\n"), "line 3: st 99: expected a number in 8..32"),
-    (LA26.replace("s3674-biss", "nobody"), "line 2: base: nobody is none; expected one of:"),
+    (LA26.replace("s3674-biss", "nobody"), "line 2: base: nobody is unknown; expected one of:"),
     ("st = 26\n", "no object"), ("", "no object"), ("[1000]\nDataType=0x20\n", "no object that can be read")])
 def test_what_is_wrong_in_a_text_is_told(still, text, wrong):
     """And the encoder of the text before stays."""

@@ -252,7 +252,8 @@ static const struct {
      "4: 'so be it' is neither [SECTION] nor KEY = VALUE; expected one of them"},
     {"[rig]\ncolour = red\n",
      "2: colour: no key of [rig]; expected name, control, files, threads, memory or include"},
-    {"[rig]\nname = a b\n", "2: name: a b is none; expected 1 to 32 letters, digits, _ and -"},
+    {"[rig]\nname = a b\n",
+     "2: name: a b is not a valid name; expected 1 to 32 letters, digits, _ and -"},
     {"[rig]\nname = a\n[rig]\nname = b\n",
      "4: name: the rig is called a already; expected one name"},
     {"[rig]\nname =\n", "2: name: empty; expected name = VALUE"},
@@ -286,7 +287,7 @@ static const struct {
      "19: driver: 8 gears are between s8 and what drives it; expected a shaft with fewer"},
     {"[shaft a]\nspeed = 1\n", "2: speed: no key of [shaft]; expected motion, driver or ratio"},
     {"[shaft a]\nmotion = 60RPM\nmotion = 70RPM\n",
-     "3: motion: stands in line 2 already; expected one of them"},
+     "3: motion: given in line 2 already; expected one of them"},
     {"[bus b]\n", "1: [bus b]: without a wire; expected a wire, for example wire = pty"},
     {"[bus b]\nwire = rope\n",
      "2: wire: rope is no kind of wire; expected pty, tty, rs485, sim, gpio, can, slcan, "
@@ -332,7 +333,7 @@ static const struct {
     {"[encoder a]\nwire = pty\n",
      "1: [encoder a]: without a model; expected model = MODEL, one of: " MODELS},
     {"[encoder a]\nmodel = s3685\nwire = pty\n",
-     "2: model: s3685 is none; expected one of: " MODELS},
+     "2: model: s3685 is unknown; expected one of: " MODELS},
     {"[encoder a]\nmodel = f3668\n",
      "1: [encoder a]: without a wire; expected bus = NAME of a [bus] above, or wire = KIND or "
      "KIND:ADDRESS"},
