@@ -92,6 +92,19 @@ static void the_others_are_values(void **state)
     assert_false(eds_rig_is_noted(&rig, "1803sub1", "a PDO that this node does not have"));
 }
 
+/* Six bits stand for sub-indices; the others, for nothing. */
+static void a_bit_without_a_sub_index_adds_nothing(void **state)
+{
+    (void)state;
+    eds_rig_start(&rig, INFO("0xFFFFFFC3", "0", "1") OBJECTS);
+    assert_int_equal(rig.note_count, 0);
+    assert_int_equal(co_rig_get(&rig.co, 0x1800, 0), 2);
+    assert_int_equal(refusal(0x1800, 3), NO_SUB);
+    assert_int_equal(refusal(0x1800, 7), NO_SUB);
+    eds_rig_start(&rig, INFO("0x20", "0", "1") OBJECTS);
+    assert_int_equal(co_rig_get(&rig.co, 0x1800, 0), 6);
+}
+
 static void without_the_key_there_are_none(void **state)
 {
     (void)state;
@@ -108,6 +121,7 @@ int main(void)
         cmocka_unit_test(tpdos_need_no_sections),
         cmocka_unit_test(a_section_has_the_last_word),
         cmocka_unit_test(the_others_are_values),
+        cmocka_unit_test(a_bit_without_a_sub_index_adds_nothing),
         cmocka_unit_test(without_the_key_there_are_none),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

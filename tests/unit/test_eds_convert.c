@@ -115,6 +115,35 @@ static void an_image_tells_what_does_not_fit(void **state)
     assert_told(DG_CO_KEY(0x1000, 0), DG_CO_FOREIGN);
 }
 
+#define IDENTITY(sub, value)                                                                       \
+    "[1018]\nObjectType=9\n[1018sub" #sub "]\nDataType=7\nAccessType=ro\nDefaultValue=" value "\n"
+
+/* Each of the values of the image, and each word of the identity, counts for itself. */
+static void every_value_of_an_image_is_compared(void **state)
+{
+    static const char *const identities[] = {
+        HEAD("0x20196") VALUE(2000, 7, "") IDENTITY(1, "9"),
+        HEAD("0x20196") VALUE(2000, 7, "") IDENTITY(2, "9"),
+        HEAD("0x20196") VALUE(2000, 7, "") IDENTITY(3, "9"),
+    };
+    (void)state;
+    read_file(&first, before);
+    write_values(5);
+    save(&first);
+    read_file(&second, HEAD("0x20196"));
+    assert_int_equal(convert((struct dg_nvm){NULL, NULL}), DG_OK);
+    for (uint16_t index = 0x2000; index <= 0x2003; index++) {
+        assert_told(DG_CO_KEY(index, 0), DG_CO_GONE);
+    }
+    assert_int_equal(told_count, 4);
+    for (uint8_t i = 0; i < DG_COUNT(identities); i++) {
+        read_file(&second, identities[i]);
+        assert_int_equal(convert((struct dg_nvm){NULL, NULL}), DG_OK);
+        assert_told(DG_CO_KEY(0x1018, i + 1u), DG_CO_FOREIGN);
+        assert_int_equal(told_count, 4);
+    }
+}
+
 /* With it the encoder of the other file goes on where the first one ended. */
 static void what_fits_is_copied(void **state)
 {
@@ -295,6 +324,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(an_image_tells_what_does_not_fit),
+        cmocka_unit_test(every_value_of_an_image_is_compared),
         cmocka_unit_test(what_fits_is_copied),
         cmocka_unit_test(texts_and_wide_numbers_are_copied),
         cmocka_unit_test(what_was_not_saved_is_of_no_file),

@@ -22,6 +22,7 @@
 #define ZEROS " 00 00 00 00"
 #define LONG_MAX_BYTES 1024u
 #define SEGMENT 7u
+#define SAVE 0x65766173u
 
 static const char file[] =
     "[1000]\nDataType=7\nAccessType=ro\nDefaultValue=0x20196\n"
@@ -56,6 +57,55 @@ static void ask(const char *request, const char *answer)
     if (answer[0] != '\0') {
         co_rig_expect(&rig.co, 0, ANSWER, answer);
     }
+}
+
+/* The server waits for a second: for each segment anew, and for nothing once a value is there. */
+static void each_segment_has_its_own_second(void **state)
+{
+    static const char *const answers[] = {"20" ZEROS " 00 00 00", "30" ZEROS " 00 00 00"};
+    static const char *const segments[] = {"00 " TEXT, "10 " TEXT};
+    (void)state;
+    start();
+    ask("21 01 21 00 15 00 00 00", "60 01 21 00" ZEROS);
+    for (size_t i = 0; i < DG_COUNT(segments); i++) {
+        co_rig_run(&rig.co, DG_MS(900));
+        ask(segments[i], answers[i]);
+    }
+    co_rig_run(&rig.co, DG_MS(900));
+    ask("01 " TEXT, answers[0]);
+    co_rig_forget(&rig.co);
+    co_rig_run(&rig.co, DG_S(3));
+    co_rig_expect_count(&rig.co, 0);
+    ask("40 01 21 00", "41 01 21 00 15 00 00 00");
+    co_rig_forget(&rig.co);
+    co_rig_run(&rig.co, DG_MS(1001));
+    co_rig_expect_count(&rig.co, 1);
+    co_rig_expect(&rig.co, 0, ANSWER, "80 01 21 00 00 00 04 05");
+}
+
+/* Copies count up to FFFEh, and from 0 on again; FFFFh is that of a memory never written. */
+static void the_number_of_a_copy_goes_round(void **state)
+{
+    const struct dg_store_layout *layout = &rig.file.file.layout;
+    (void)state;
+    start();
+    ask("2B 00 21 00 68 69 00 00", "60 00 21 00" ZEROS);
+    co_rig_put(&rig.co, 0x1010, 1, SAVE, 4);
+    const int region = dg_store_find(layout, "texts");
+    assert_true(region >= 0);
+    uint8_t *copies = &rig.co.nvm.bytes[dg_store_address(layout, (uint8_t)region)];
+    assert_int_equal(dg_load_le16(copies), 0);
+    dg_store_le16(copies, 0xFFFE);
+    eds_rig_power_cycle(&rig);
+    ask("40 00 21 00", "4B 00 21 00 68 69 00 00");
+    ask("2B 00 21 00 78 78 00 00", "60 00 21 00" ZEROS);
+    co_rig_put(&rig.co, 0x1010, 1, SAVE, 4);
+    assert_int_equal(dg_load_le16(&copies[EDS_COPY_HEAD + rig.file.file.long_kept]), 0);
+    eds_rig_power_cycle(&rig);
+    ask("40 00 21 00", "4B 00 21 00 78 78 00 00");
+    dg_store_le16(&copies[EDS_COPY_HEAD + rig.file.file.long_kept], 0xFFFF);
+    eds_rig_power_cycle(&rig);
+    ask("40 00 21 00", "4B 00 21 00 68 69 00 00");
 }
 
 /* Whatever somebody has written into the transfer of a node: the transfer is over, and nothing was written. */
@@ -256,6 +306,8 @@ static void objects_of_the_encoder_keep_their_types(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(each_segment_has_its_own_second),
+        cmocka_unit_test(the_number_of_a_copy_goes_round),
         cmocka_unit_test(a_transfer_that_somebody_has_made_is_over),
         cmocka_unit_test(a_stored_length_that_cannot_be_is_not_used),
         cmocka_unit_test(segments_out_of_place_are_refused),

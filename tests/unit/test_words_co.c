@@ -77,6 +77,8 @@ static const struct {
     {0x585, "80 FF 9F 00 00 00 02 06", ERROR,  "SDO node 5 -> abort 9FFFh:00: 06020000h no such object"},
     {0x605, "80 FF 9F 00 78 56 34 12", ERROR,  "SDO node 5 abort 9FFFh:00: 12345678h unknown"},
     {0x585, "E0 00 00 00 00 00 00 00", WARN,   "SDO node 5 -> unknown service: E0 00 00 00 00 00 00 00"},
+    {0x585, "A3 00 00 00 00 00 00 00", WARN,   "SDO node 5 -> unknown service: A3 00 00 00 00 00 00 00"},
+    {0x605, "E0 00 00 00 00 00 00 00", WARN,   "SDO node 5 unknown service: E0 00 00 00 00 00 00 00"},
     {0x585, "43 04",                   ERROR,  "SDO node 5, too short: 43 04"},
     {0x705, "00",                      NOTICE, "heartbeat node 5 boot-up"},
     {0x705, "85",                      OK,     "heartbeat node 5 operational, toggle"},
