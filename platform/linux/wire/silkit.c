@@ -321,20 +321,21 @@ static bool is_message_ahead(const struct lx_silkit *self, const struct lx_silki
     return message->time > self->at;
 }
 
-/* What is left is of this very moment, which is for the next step, and behind it what is foreign:
-   in its order. @return how many are */
-static size_t bring_foreign_first(struct lx_silkit *self)
+/* What is left is of this very moment, which is for the next step, and behind it what is foreign. */
+static void deliver_foreign(struct lx_silkit *self)
 {
     struct lx_silkit_list *list = &self->pending;
-    const size_t left = list->count - list->first;
-    size_t here = 0;
-    while (here < left && !is_message_ahead(self, &list->at[list->first + here])) {
-        here++;
+    const size_t first = list->first;
+    while (list->first < list->count && !is_message_ahead(self, &list->at[list->first])) {
+        list->first++;
     }
-    if (here > 0 && here < left) {
-        lx_silkit_list_turn(list, here);
+    const size_t foreign = list->first;
+    while (list->first < list->count) {
+        lx_silkit_deliver(self, list, lx_now(), UINT64_MAX);
     }
-    return left - here;
+    list->first = first;
+    list->count = foreign;
+    lx_silkit_list_trim(list);
 }
 
 /* Let time go on to the next deadline up to `at`. What lanes have to do before it comes first; at
@@ -374,12 +375,7 @@ bool lx_silkit_step(struct lx_silkit *self)
     if (pass_step(self, lx_silkit_moment_of(self, self->at), self->at)) {
         return true;
     }
-    const size_t foreign = bring_foreign_first(self);
-    const size_t end = list->first + foreign;
-    while (list->first < end) {
-        lx_silkit_deliver(self, &self->pending, lx_now(), UINT64_MAX);
-    }
-    lx_silkit_list_trim(list);
+    deliver_foreign(self);
     end_step(self);
     return true;
 }

@@ -42,24 +42,6 @@ bool lx_silkit_list_add(struct lx_silkit_list *self, const struct lx_silkit_mess
     return true;
 }
 
-static void reverse_messages(struct lx_silkit_message *at, size_t n)
-{
-    for (size_t i = 0; i < n / 2u; i++) {
-        const struct lx_silkit_message one = at[i];
-        at[i] = at[n - 1u - i];
-        at[n - 1u - i] = one;
-    }
-}
-
-void lx_silkit_list_turn(struct lx_silkit_list *self, size_t n)
-{
-    struct lx_silkit_message *at = self->at + self->first;
-    const size_t left = self->count - self->first;
-    reverse_messages(at, n);
-    reverse_messages(at + n, left - n);
-    reverse_messages(at, left);
-}
-
 void lx_silkit_list_trim(struct lx_silkit_list *self)
 {
     const size_t left = self->count - self->first;
@@ -81,15 +63,11 @@ void lx_silkit_list_free(struct lx_silkit_list *self)
 
 /* --- any thread --- */
 
-static bool fits_room(const struct lx_silkit_inbox *self, size_t n)
-{
-    return self->list.count < MESSAGES_MAX && n <= BYTES_MAX - self->bytes;
-}
-
 static bool add_message(struct lx_silkit_inbox *self, struct lx_silkit_message *message, size_t n)
 {
+    const bool fits = self->list.count < MESSAGES_MAX && n <= BYTES_MAX - self->bytes;
     message->order = self->order++;
-    if (!fits_room(self, n) || !lx_silkit_list_add(&self->list, message)) {
+    if (!fits || !lx_silkit_list_add(&self->list, message)) {
         return false;
     }
     self->bytes += n;

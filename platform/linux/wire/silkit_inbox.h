@@ -61,9 +61,6 @@ struct lx_silkit_list {
 /** Append, which takes over `message->bytes`. @return false without memory */
 bool lx_silkit_list_add(struct lx_silkit_list *self, const struct lx_silkit_message *message);
 
-/** The first `n` behind all others; each part keeps its order. */
-void lx_silkit_list_turn(struct lx_silkit_list *self, size_t n);
-
 /** Forget those before `first`. */
 void lx_silkit_list_trim(struct lx_silkit_list *self);
 

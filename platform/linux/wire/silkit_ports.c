@@ -131,19 +131,18 @@ void lx_silkit_sort(struct lx_silkit_list *list)
 /* Of topics; frames of CAN FD and XL are nobody's fault. */
 static void note_refused(struct lx_silkit_port *self, const struct lx_silkit_message *message)
 {
-    const bool one = self->length_min == self->length_max;
+    struct lx_words right = {"packed frames"};
     if (self->refused++ > 0 || self->can != NULL) {
         return;
     }
-    if (self->packed) {
-        lx_complain("SIL Kit: %s: a message of %lu bytes is left out, as are more such ones; "
-                    "expected packed frames",
-                    self->topic, (unsigned long)message->id);
-        return;
+    if (!self->packed) {
+        const bool one = self->length_min == self->length_max;
+        (void)snprintf(right.text, sizeof right.text, "%s%zu", one ? "" : "at most ",
+                       self->length_max);
     }
     lx_complain("SIL Kit: %s: a message of %lu bytes is left out, as are more such ones; expected "
-                "%s%zu",
-                self->topic, (unsigned long)message->id, one ? "" : "at most ", self->length_max);
+                "%s",
+                self->topic, (unsigned long)message->id, right.text);
 }
 
 void lx_silkit_deliver(const struct lx_silkit *self, struct lx_silkit_list *list, dg_ns now,

@@ -72,44 +72,40 @@ bool lx_silkit_is_loopback(const struct lx_silkit_where *self)
 
 /* --- the plan --- */
 
-static int refuse_another(const char *first, const char *what, const struct dg_plan *plan,
-                          const struct dg_plan_wire *wire, struct lx_error *error)
+static int refuse_another(const char *first, const char *what, struct lx_error *error)
 {
     struct lx_words right = {""};
     lx_words_add(&right, "expected %s, as at the first silkit wire", first);
-    (void)lx_refuse(error, right.text, "a rig has one %s", what);
-    return lx_plan_refuse_wire(plan, wire, error);
+    return lx_refuse(error, right.text, "a rig has one %s", what);
 }
 
 static int same_where(const struct lx_silkit *self, const struct lx_silkit_where *where,
-                      const struct dg_plan *plan, const struct dg_plan_wire *wire,
                       struct lx_error *error)
 {
     if (strcmp(self->where.uri, where->uri) != 0) {
-        return refuse_another(self->where.uri, "registry", plan, wire, error);
+        return refuse_another(self->where.uri, "registry", error);
     }
     if (where->participant[0] != '\0' && strcmp(lx_silkit_name(self), where->participant) != 0) {
-        return refuse_another(lx_silkit_name(self), "participant", plan, wire, error);
+        return refuse_another(lx_silkit_name(self), "participant", error);
     }
     return 0;
 }
 
 static int same_settings(const struct lx_silkit *self, const struct dg_plan_simulation *settings,
-                         const struct dg_plan *plan, const struct dg_plan_wire *wire,
-                         struct lx_error *error)
+                         const struct dg_plan_wire *wire, struct lx_error *error)
 {
     if (self->settings.time != settings->time) {
         const struct dg_key *time = dg_keys_find(wire->kind->keys, "time");
-        return refuse_another(time->words[self->settings.time], "time", plan, wire, error);
+        return refuse_another(time->words[self->settings.time], "time", error);
     }
     if (self->settings.step_us != settings->step_us) {
         struct lx_words step = {""};
         lx_words_add(&step, "step_us=%lu", (unsigned long)self->settings.step_us);
-        return refuse_another(step.text, "step", plan, wire, error);
+        return refuse_another(step.text, "step", error);
     }
     if (self->settings.aggregate != settings->aggregate) {
         const char *first = self->settings.aggregate ? "aggregate=1" : "aggregate=0";
-        return refuse_another(first, "way of sending", plan, wire, error);
+        return refuse_another(first, "way of sending", error);
     }
     return 0;
 }
@@ -129,9 +125,10 @@ int lx_silkit_add(struct lx_silkit *self, const struct dg_plan *plan,
         return lx_error_take(error, &wrong);
     }
     if (self->planned) {
-        return same_where(self, &where, plan, wire, error) != 0
-                   ? -1
-                   : same_settings(self, &line.simulation, plan, wire, error);
+        return same_where(self, &where, error) == 0 &&
+                       same_settings(self, &line.simulation, wire, error) == 0
+                   ? 0
+                   : lx_plan_refuse_wire(plan, wire, error);
     }
     self->planned = true;
     self->threads = plan->threads > 0 ? plan->threads : 1u;

@@ -3,7 +3,7 @@
  * What the library makes waits for all others to know of it, without limit for one who goes
  * meanwhile, and nothing interrupts it. So it is made on a thread of its own:
  *
- *   wait() --> thread: make() ... done --> wait() goes on
+ *   wait() --> thread: make() ... returns --> wait() joins it and goes on
  *          --> nobody answers, or a signal to end: the thread is left behind, as is all that it has
  */
 #define _GNU_SOURCE
@@ -22,9 +22,6 @@ struct waiting {
     struct lx_silkit_call call;
     struct lx_error error;
     int result;
-    bool done;
-    pthread_mutex_t lock;
-    pthread_cond_t over;
 };
 
 static atomic_bool left_behind;
@@ -37,30 +34,19 @@ bool lx_silkit_is_left_behind(void)
 static void *make(void *ctx)
 {
     struct waiting *self = ctx;
-    const int result = self->call.make(&self->call, &self->error);
-    (void)pthread_mutex_lock(&self->lock);
-    self->result = result;
-    self->done = true;
-    (void)pthread_cond_signal(&self->over);
-    (void)pthread_mutex_unlock(&self->lock);
+    self->result = self->call.make(&self->call, &self->error);
     return NULL;
 }
 
-/* A little while, or until it is done. */
-static bool wait_briefly(struct waiting *self)
+/* A little while, or until the thread is done, and joined. */
+static bool join_briefly(pthread_t thread)
 {
     struct timespec end;
     (void)clock_gettime(CLOCK_REALTIME, &end);
     const int64_t ns = end.tv_nsec + (int64_t)LOOK_MS * 1000000;
     end.tv_sec += (time_t)(ns / 1000000000);
     end.tv_nsec = (long)(ns % 1000000000);
-    (void)pthread_mutex_lock(&self->lock);
-    if (!self->done) {
-        (void)pthread_cond_timedwait(&self->over, &self->lock, &end);
-    }
-    const bool done = self->done;
-    (void)pthread_mutex_unlock(&self->lock);
-    return done;
+    return pthread_timedjoin_np(thread, NULL, &end) == 0;
 }
 
 static int leave_behind(struct waiting *self, pthread_t thread, struct lx_error *error)
@@ -74,17 +60,13 @@ static int leave_behind(struct waiting *self, pthread_t thread, struct lx_error 
                            WAIT_MS / 1000u);
 }
 
-static int finish_call(struct waiting *self, pthread_t thread, struct lx_silkit_call *call,
-                       struct lx_error *error)
+static int finish_call(struct waiting *self, struct lx_silkit_call *call, struct lx_error *error)
 {
-    (void)pthread_join(thread, NULL);
     const int result = self->result;
     *call = self->call;
     if (result != 0) {
         *error = self->error;
     }
-    (void)pthread_cond_destroy(&self->over);
-    (void)pthread_mutex_destroy(&self->lock);
     free(self);
     return result;
 }
@@ -101,20 +83,18 @@ static int start_call(struct waiting *self, pthread_t *thread)
 int lx_silkit_wait(struct lx_silkit_call *call, struct lx_error *error)
 {
     pthread_t thread;
-    struct waiting *self = calloc(1, sizeof *self);
+    struct waiting *self = lx_allocate(sizeof *self, "a simulation", error);
     if (self == NULL) {
-        return lx_fail(error, "no memory for a simulation");
+        return -1;
     }
     self->call = *call;
-    (void)pthread_mutex_init(&self->lock, NULL);
-    (void)pthread_cond_init(&self->over, NULL);
     if (start_call(self, &thread) != 0) {
         free(self);
         return lx_fail(error, "no thread for a simulation");
     }
-    bool done = wait_briefly(self);
+    bool done = join_briefly(thread);
     for (unsigned ms = 0; !done && ms < WAIT_MS && !lx_ending_asked(); ms += LOOK_MS) {
-        done = wait_briefly(self);
+        done = join_briefly(thread);
     }
-    return done ? finish_call(self, thread, call, error) : leave_behind(self, thread, error);
+    return done ? finish_call(self, call, error) : leave_behind(self, thread, error);
 }
