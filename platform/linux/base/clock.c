@@ -5,26 +5,15 @@
  */
 #include "clock.h"
 
+#include "drehgeber/angle.h"
 #include "timer.h"
 
 #define ONE 1000u
 
-/* span * times / parts, rounded down; `times` and `parts` have 32 bits, so that only a result
-   beyond 64 bits overflows: DG_NEVER then. The products of `rest` fit: it is below 2^32. */
-static dg_ns scale_span(dg_ns span, uint32_t times, uint32_t parts)
-{
-    const dg_ns whole = span / parts;
-    const dg_ns rest = span % parts;
-    if (times != 0 && whole > DG_NEVER / times) {
-        return DG_NEVER;
-    }
-    return dg_after(whole * times, rest * times / parts);
-}
-
 dg_ns lx_clock_now(const struct lx_clock *self)
 {
     const dg_ns elapsed = dg_elapsed(lx_now(), self->real);
-    return dg_after(self->virtual_, scale_span(elapsed, self->permille, ONE));
+    return dg_after(self->virtual_, dg_muldiv(elapsed, self->permille, ONE));
 }
 
 dg_ns lx_clock_real(const struct lx_clock *self, dg_ns at)
@@ -36,7 +25,7 @@ dg_ns lx_clock_real(const struct lx_clock *self, dg_ns at)
     if (at == DG_NEVER || self->permille == 0) {
         return DG_NEVER;
     }
-    const dg_ns down = scale_span(span, ONE, self->permille);
+    const dg_ns down = dg_muldiv(span, ONE, self->permille);
     const bool exact = span % self->permille * ONE % self->permille == 0;
     return dg_after(self->real, dg_after(down, exact ? 0 : 1));
 }

@@ -36,15 +36,17 @@ const struct lx_csv_kind lx_csv_motion = {
 };
 
 /* Where the reader is, and what it has. */
-struct reader {
+struct lx_csv {
+    FILE *file;
+    char *name; /* owned */
     struct lx_csv_kind kind;
-    const char *name;
     unsigned long line;
     bool started; /* the first line that is not empty or a comment has been seen */
     size_t capacity;
     size_t most; /* points */
     struct lx_csv_points found;
-    dg_ns latest; /* time of the last point */
+    dg_ns latest;                    /* time of the last point */
+    char text[LX_CSV_LINE_MAX + 2u]; /* of a line, with its end, CR LF at most; not a string */
 };
 
 /* A piece of a line. */
@@ -71,26 +73,26 @@ static struct field trimmed(const char *at, size_t n)
 }
 
 /* A header is a first line that does not start like a number. */
-static bool is_header(const struct reader *self, struct field line)
+static bool is_header(const struct lx_csv *self, struct field line)
 {
     return !self->started && memchr("+-.0123456789", line.at[0], 13) == NULL;
 }
 
-static int refuse_line(const struct reader *self, struct lx_error *error, const char *what,
+static int refuse_line(const struct lx_csv *self, struct lx_error *error, const char *what,
                        struct field got)
 {
     return lx_fail(error, "%s:%lu: %s, not '%.*s'", self->name, self->line, what,
                    (int)(got.n > 60 ? 60 : got.n), got.at);
 }
 
-static int complain_of_line(const struct reader *self, struct lx_error *error, struct field got)
+static int complain_of_line(const struct lx_csv *self, struct lx_error *error, struct field got)
 {
     struct lx_words what = {""};
     lx_words_add(&what, "a line is 'time_s,%s'", self->kind.column);
     return refuse_line(self, error, what.text, got);
 }
 
-static int append_point(struct reader *self, dg_ns at, int64_t value, struct lx_error *error)
+static int append_point(struct lx_csv *self, dg_ns at, int64_t value, struct lx_error *error)
 {
     if (self->found.count == self->most) {
         return lx_fail(error, "%s:%lu: more than %zu points", self->name, self->line, self->most);
@@ -110,7 +112,7 @@ static int append_point(struct reader *self, dg_ns at, int64_t value, struct lx_
 }
 
 /* One line without its comment. */
-static int take_csv_point(struct reader *self, struct field line, struct lx_error *error)
+static int take_csv_point(struct lx_csv *self, struct field line, struct lx_error *error)
 {
     const struct lx_csv_kind *kind = &self->kind;
     const char *comma = memchr(line.at, ',', line.n);
@@ -141,9 +143,10 @@ static int take_csv_point(struct reader *self, struct field line, struct lx_erro
     return append_point(self, (dg_ns)at.value, value.value, error);
 }
 
-static int take_csv_line(struct reader *self, const char *text, size_t n, struct lx_error *error)
+static int take_csv_line(struct lx_csv *self, size_t n, struct lx_error *error)
 {
     static const char mark[] = "\xEF\xBB\xBF"; /* of UTF-8; some tools begin a file with it */
+    const char *text = self->text;
     if (self->line == 1 && n >= 3 && memcmp(text, mark, 3) == 0) {
         text += 3;
         n -= 3;
@@ -158,13 +161,6 @@ static int take_csv_line(struct reader *self, const char *text, size_t n, struct
     return header ? 0 : take_csv_point(self, line, error);
 }
 
-struct lx_csv {
-    struct reader reader;
-    FILE *file;
-    char *name;                      /* owned */
-    char text[LX_CSV_LINE_MAX + 2u]; /* of a line, with its end, CR LF at most; not a string */
-};
-
 struct lx_csv *lx_csv_begin(FILE *file, const char *name, const struct lx_csv_kind *kind,
                             size_t most)
 {
@@ -178,9 +174,8 @@ struct lx_csv *lx_csv_begin(FILE *file, const char *name, const struct lx_csv_ki
     }
     self->file = file;
     self->name = copy;
-    self->reader.name = copy;
-    self->reader.kind = *kind;
-    self->reader.most = most;
+    self->kind = *kind;
+    self->most = most;
     return self;
 }
 
@@ -221,11 +216,11 @@ static int read_csv_line(struct lx_csv *self, struct lx_error *error)
     }
     if (c == '\0') {
         return lx_refuse(error, "expected lines of text", "%s:%lu: no text, as it has a NUL",
-                         self->name, self->reader.line + 1);
+                         self->name, self->line + 1);
     }
     if (line_length_of(self->text, n) > (int)LX_CSV_LINE_MAX) {
         return lx_refuse(error, "expected a shorter line of text",
-                         "%s:%lu: more than %u characters", self->name, self->reader.line + 1,
+                         "%s:%lu: more than %u characters", self->name, self->line + 1,
                          LX_CSV_LINE_MAX);
     }
     return n;
@@ -234,10 +229,9 @@ static int read_csv_line(struct lx_csv *self, struct lx_error *error)
 /* Behind the last line. */
 static int check_count(const struct lx_csv *self, struct lx_error *error)
 {
-    return self->reader.found.count > 0
-               ? 0
-               : lx_fail(error, "%s:%lu: no points; a line is 'time_s,%s'", self->name,
-                         self->reader.line + 1, self->reader.kind.column);
+    return self->found.count > 0 ? 0
+                                 : lx_fail(error, "%s:%lu: no points; a line is 'time_s,%s'",
+                                           self->name, self->line + 1, self->kind.column);
 }
 
 int lx_csv_read_on(struct lx_csv *self, unsigned lines, struct lx_error *error)
@@ -247,8 +241,8 @@ int lx_csv_read_on(struct lx_csv *self, unsigned lines, struct lx_error *error)
         if (n <= 0) {
             return n < 0 ? -1 : check_count(self, error);
         }
-        self->reader.line++;
-        if (take_csv_line(&self->reader, self->text, (size_t)n, error) != 0) {
+        self->line++;
+        if (take_csv_line(self, (size_t)n, error) != 0) {
             return -1;
         }
     }
@@ -257,8 +251,8 @@ int lx_csv_read_on(struct lx_csv *self, unsigned lines, struct lx_error *error)
 
 struct lx_csv_points lx_csv_take(struct lx_csv *self)
 {
-    const struct lx_csv_points found = self->reader.found;
-    self->reader.found = (struct lx_csv_points){.points = NULL};
+    const struct lx_csv_points found = self->found;
+    self->found = (struct lx_csv_points){.points = NULL};
     return found;
 }
 
@@ -268,7 +262,7 @@ void lx_csv_close(struct lx_csv *self)
         return;
     }
     (void)fclose(self->file);
-    free(self->reader.found.points);
+    free(self->found.points);
     free(self->name);
     free(self);
 }

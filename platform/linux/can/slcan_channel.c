@@ -1,19 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 #include "slcan_channel.h"
 
-/* Whether it is open, and an encoder at `kbaud` understands it. */
-static bool hears_encoder(const struct lx_slcan_channel *self, uint16_t kbaud)
-{
-    const struct dg_slcan *codec = &self->codec;
-    return codec->state != DG_SLCAN_CLOSED && (codec->kbaud == 0 || codec->kbaud == kbaud);
-}
-
 void lx_slcan_check(struct lx_slcan_channel *self, const struct lx_say *say, uint16_t expected)
 {
     if (self->codec.state == DG_SLCAN_CLOSED) {
         return;
     }
-    const bool differs = !hears_encoder(self, expected);
+    const bool differs = self->codec.kbaud != 0 && self->codec.kbaud != expected;
     if (differs && !self->mismatch) {
         lx_note(say, "the master has opened the channel at %u kBd, the encoder expects %u kBd",
                 self->codec.kbaud, expected);

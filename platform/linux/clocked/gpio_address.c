@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /* Where GPIO lines are, and the words for why they cannot be had. */
 #define _GNU_SOURCE
-#include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
+#include <glob.h>
 #include <linux/gpio.h>
 #include <stdio.h>
 #include <string.h>
@@ -14,7 +14,7 @@
 #include "gpio_lines.h"
 
 #define FOLDER "/dev/"
-#define CHIP "gpiochip"
+#define CHIPS FOLDER "gpiochip*"
 #define RIGHT "expected CHIP:CLOCK,DATA with two offsets, e.g. gpiochip0:4,5"
 
 /* `n` characters of decimal digits. */
@@ -69,19 +69,19 @@ static bool has_label(const char *path, const char *label)
 void lx_gpio_find(const struct lx_gpio_address *self, char path[LX_GPIO_PATH_MAX])
 {
     const char *label = self->path + strlen(FOLDER);
+    glob_t chips;
     (void)snprintf(path, LX_GPIO_PATH_MAX, "%s", self->path);
-    DIR *folder = access(path, F_OK) == 0 ? NULL : opendir(FOLDER);
-    for (struct dirent *entry = NULL; folder != NULL && (entry = readdir(folder)) != NULL;) {
-        char candidate[sizeof FOLDER + sizeof entry->d_name];
-        (void)snprintf(candidate, sizeof candidate, FOLDER "%s", entry->d_name);
-        if (strncmp(entry->d_name, CHIP, strlen(CHIP)) == 0 && has_label(candidate, label)) {
-            (void)snprintf(path, LX_GPIO_PATH_MAX, "%.*s", (int)LX_GPIO_PATH_MAX - 1, candidate);
-            break;
-        }
+    if (access(path, F_OK) == 0 || glob(CHIPS, 0, NULL, &chips) != 0) {
+        return;
     }
-    if (folder != NULL) {
-        (void)closedir(folder);
+    size_t i = 0;
+    while (i < chips.gl_pathc && !has_label(chips.gl_pathv[i], label)) {
+        i++;
     }
+    if (i < chips.gl_pathc) {
+        (void)snprintf(path, LX_GPIO_PATH_MAX, "%s", chips.gl_pathv[i]);
+    }
+    globfree(&chips);
 }
 
 int lx_gpio_no_chip(const struct lx_gpio_address *self, int reason, struct lx_error *error)

@@ -28,11 +28,6 @@ const struct dg_ib_model *lx_ring_model(const struct lx_ring *self, size_t index
     return line_at(self, index)->settings;
 }
 
-struct dg_world *lx_ring_world(const struct lx_ring *self, size_t index)
-{
-    return dg_host_world(station_at(self, index)->host);
-}
-
 /* --- memories --- */
 
 static bool make_ring_room(struct lx_ring *self)

@@ -60,10 +60,9 @@ int lx_ring_open(struct lx_ring *self, const struct lx_ring_setup *setup, dg_ns 
 /** Switch everything off; also after a failed open, or when all is zero. */
 void lx_ring_close(struct lx_ring *self);
 
-/** The device at a place, its figures, and what it senses. */
+/** The device at a place, and its figures. */
 struct dg_ib *lx_ring_device(const struct lx_ring *self, size_t index);
 const struct dg_ib_model *lx_ring_model(const struct lx_ring *self, size_t index);
-struct dg_world *lx_ring_world(const struct lx_ring *self, size_t index);
 
 /** A data cycle with the images, or an ID cycle where one is called for. @return false: a fault let
  * it not take place */

@@ -58,12 +58,6 @@ void lx_shaft_free(struct lx_shaft *self)
 
 /* --- courses --- */
 
-int lx_course_parse(const char *text, struct dg_course_words *to, struct lx_error *error)
-{
-    struct dg_plan_error wrong;
-    return dg_course_read(text, to, &wrong) == DG_OK ? 0 : lx_error_take(error, &wrong);
-}
-
 static void put_point(void *points, size_t index, dg_ns at, int64_t value)
 {
     struct dg_course_point *to = points;

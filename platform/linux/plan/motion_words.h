@@ -39,9 +39,6 @@ int lx_shaft_read_on(struct lx_csv *file, struct lx_shaft *to, struct lx_error *
 /** Give back the points. */
 void lx_shaft_free(struct lx_shaft *self);
 
-/** dg_course_read(), with an error of this port. @return 0, or -1 with one line in `error` */
-int lx_course_parse(const char *text, struct dg_course_words *to, struct lx_error *error);
-
 /** Begin to read `path` for `quantity` (enum dg_quantity_id): its points are struct
  * dg_course_point. @return NULL with one line in `error` */
 struct lx_csv *lx_course_open(const char *path, size_t quantity, const struct lx_folder *folder,

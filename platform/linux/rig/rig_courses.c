@@ -89,9 +89,10 @@ static int read_course_words(struct place *next, const struct dg_rig_course_wish
 {
     const bool state = dg_quantities[wish->quantity].unit == DG_UNIT_STATE;
     struct dg_course *course = &next->course.course;
+    struct dg_plan_error wrong;
     *words = (struct dg_course_words){.name = strlen("points")};
-    if (wish->path != NULL && lx_course_parse(wish->path, words, error) != 0) {
-        return -1;
+    if (wish->path != NULL && dg_course_read(wish->path, words, &wrong) != DG_OK) {
+        return lx_error_take(error, &wrong);
     }
     next->course.quantity = wish->quantity;
     course->loop = wish->loop || words->loop;

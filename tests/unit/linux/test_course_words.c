@@ -15,6 +15,12 @@
 #include "drehgeber/quantity.h"
 #include "motion_words.h"
 
+static int read_course(const char *text, struct dg_course_words *to, struct lx_error *error)
+{
+    struct dg_plan_error wrong;
+    return dg_course_read(text, to, &wrong) == DG_OK ? 0 : lx_error_take(error, &wrong);
+}
+
 static void words(void **state)
 {
     static const struct {
@@ -32,7 +38,7 @@ static void words(void **state)
     for (size_t i = 0; i < DG_COUNT(rows); i++) {
         struct dg_course_words got;
         struct lx_error error;
-        const int result = lx_course_parse(rows[i].text, &got, &error);
+        const int result = read_course(rows[i].text, &got, &error);
         assert_true(dg_course_is(rows[i].text));
         assert_int_equal(result, rows[i].is.name == 0 ? -1 : 0);
         if (result == 0) {
@@ -64,7 +70,7 @@ static void what_are_none(void **state)
         struct dg_course_words got;
         struct lx_error error;
         assert_int_equal(dg_course_is(rows[i].text), rows[i].is);
-        assert_int_equal(lx_course_parse(rows[i].text, &got, &error), -1);
+        assert_int_equal(read_course(rows[i].text, &got, &error), -1);
         assert_string_equal(error.what, rows[i].said);
         assert_string_equal(error.right, "expected " DG_COURSE_FORM);
     }

@@ -260,7 +260,7 @@ static void change_world(void)
     lx_ring_time_to(&lazy_time, now);
     for (size_t i = 0; i < 2; i++) {
         for (size_t n = 0; n < DEVICES; n++) {
-            struct dg_world *world = lx_ring_world(sides[i]->ring, n);
+            struct dg_world *world = dg_host_world(sides[i]->ring->setup->stations[n]->host);
             world->singleturn_ok = how % 4u != 0;
             world->multiturn_sync_ok = how / 4u % 8u != 0;
             world->eeprom_acknowledges = how / 32u % 8u != 0;

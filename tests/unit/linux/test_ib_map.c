@@ -145,7 +145,7 @@ static void images_and_states(void **state)
     assert_int_equal(get(0x2011), 1 | 8 | 32);
     assert_int_equal(get(0x201A), 0x8400);
     for (size_t i = 0; i < 3; i++) {
-        lx_ring_world(ring, i)->singleturn_ok = false;
+        dg_host_world(ring->setup->stations[i]->host)->singleturn_ok = false;
     }
     (void)lx_ring_cycle(ring, START);
     assert_int_equal(get(0x100C), 1 | 4);
