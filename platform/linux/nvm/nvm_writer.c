@@ -53,7 +53,7 @@ struct lx_nvm_writer {
     sd_event *event;
     void (*settled)(void *ctx);
     void *ctx;
-    struct lx_nvm_queue *open; /* queues with a sync that is not known to be through */
+    struct lx_nvm_queue *open; /* queues */
     uint64_t issued;
     bool on_trial;
     bool runs;
@@ -326,33 +326,6 @@ static void wait_a_moment(const struct lx_nvm_queue *self)
     }
 }
 
-/* Whoever waits for syncs asks these. */
-static void note_open(struct lx_nvm_queue *self)
-{
-    struct lx_nvm_writer *writer = self->setup.writer;
-    if (self->open != NULL) {
-        return;
-    }
-    self->later = writer->open;
-    if (self->later != NULL) {
-        self->later->open = &self->later;
-    }
-    self->open = &writer->open;
-    writer->open = self;
-}
-
-static void note_through(struct lx_nvm_queue *self)
-{
-    if (self->open == NULL) {
-        return;
-    }
-    *self->open = self->later;
-    if (self->later != NULL) {
-        self->later->open = self->open;
-    }
-    self->open = NULL;
-}
-
 /* With the lock. Behind others that are under way the moment has been taken already. */
 static int issue_job(struct lx_nvm_queue *self, struct lx_nvm_job *job)
 {
@@ -367,10 +340,7 @@ static int issue_job(struct lx_nvm_queue *self, struct lx_nvm_job *job)
         self->issued = self->done; /* nobody has been told yes */
         return refuse_write(self);
     }
-    if (self->done != self->issued) {
-        note_open(self);
-        self->waits += alone ? 1u : 0u;
-    }
+    self->waits += alone && self->done != self->issued ? 1u : 0u;
     return DG_OK;
 }
 
@@ -410,9 +380,6 @@ static struct lx_nvm_queue *take_news(struct lx_nvm_writer *self)
         queue->news = false;
         spent = queue->spent;
         queue->spent = (struct lx_nvm_jobs){NULL, NULL};
-        if (queue->done == queue->issued) {
-            note_through(queue);
-        }
     }
     (void)pthread_mutex_unlock(&self->lock);
     free_all(&spent);
@@ -551,6 +518,24 @@ enum lx_nvm_state lx_nvm_writer_state(struct lx_nvm_writer *self, uint64_t after
     return worst;
 }
 
+static void link_queue(struct lx_nvm_queue *self, struct lx_nvm_writer *writer)
+{
+    self->later = writer->open;
+    self->open = &writer->open;
+    if (self->later != NULL) {
+        self->later->open = &self->later;
+    }
+    writer->open = self;
+}
+
+static void unlink_queue(const struct lx_nvm_queue *self)
+{
+    *self->open = self->later;
+    if (self->later != NULL) {
+        self->later->open = self->open;
+    }
+}
+
 int lx_nvm_queue_open(struct lx_nvm_queue *self, const struct lx_nvm_queue_setup *setup,
                       struct dg_nvm *nvm, struct lx_error *error)
 {
@@ -571,6 +556,7 @@ int lx_nvm_queue_open(struct lx_nvm_queue *self, const struct lx_nvm_queue_setup
         *self = (struct lx_nvm_queue){.bytes = NULL};
         return lx_fail(error, "no memory for an EEPROM");
     }
+    link_queue(self, setup->writer);
     *nvm = (struct dg_nvm){&queue_ops, self};
     return 0;
 }
@@ -623,7 +609,7 @@ void lx_nvm_queue_close(struct lx_nvm_queue *self)
         return;
     }
     drain_jobs(self);
-    note_through(self);
+    unlink_queue(self);
     free_all(&self->jobs);
     free_all(&self->spent);
     free(self->bytes);

@@ -60,8 +60,8 @@ struct lx_nvm_queue_setup {
 struct lx_nvm_queue {
     struct lx_nvm_queue_setup setup;
     uint8_t *bytes;             /**< owned: what the device reads */
-    struct lx_nvm_queue *later; /**< of those with a sync that is not known to be through, */
-    struct lx_nvm_queue **open; /**< ... and what points to this one; NULL: it is not among them */
+    struct lx_nvm_queue *later; /**< the writer's next queue, */
+    struct lx_nvm_queue **open; /**< ... and what points to this one */
     uint64_t issued;            /**< ticket of the last sync */
     uint64_t known;             /**< ... of the last one that an answer was said or dropped for */
     uint32_t waits;             /**< syncs that took longer than a moment */
