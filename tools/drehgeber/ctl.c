@@ -29,6 +29,7 @@
 #include "run.h"
 #include "server.h"
 #include "timer.h"
+#include "tty_open.h"
 #include "virtual_time.h"
 
 #define CHUNK 4096u
@@ -39,6 +40,7 @@
 /* A silence that the user is told of, and one that ends ctl. */
 #define SILENCE DG_S(5)
 #define LIMIT "60S"
+#define CONSOLE "tty:"
 
 /* Sockets of the folder that somebody listens at. */
 struct found {
@@ -70,6 +72,22 @@ static int is_socket(const struct dirent *entry)
     return n > 5 && strcmp(entry->d_name + n - 5, ".sock") == 0;
 }
 
+/* tty:PATH, the console of a board, which one can open but not listen at. */
+static bool is_console(const char *where)
+{
+    const size_t n = strlen(CONSOLE);
+    return strncmp(where, CONSOLE, n) == 0 && where[n] != '\0';
+}
+
+static int open_console(const char *where, struct lx_error *error)
+{
+    static const struct lx_uart uart = {.baud = 115200, .parity = 'N'};
+    const int fd = tty_open(where + strlen(CONSOLE), &uart);
+    return fd >= 0 ? fd
+                   : lx_fail(error, "%s: cannot open it: %s; expected the serial port of a board",
+                             where, strerror(errno));
+}
+
 int ctl_find(const char *wanted, char *to, size_t size, struct lx_error *error)
 {
     char folder[LX_SERVER_ADDRESS_MAX];
@@ -78,7 +96,7 @@ int ctl_find(const char *wanted, char *to, size_t size, struct lx_error *error)
     if (wanted != NULL) {
         struct lx_access access;
         (void)snprintf(to, size, "%s", wanted);
-        if (lx_endpoint_is_serial(wanted)) {
+        if (is_console(wanted)) {
             return 0;
         }
         return lx_access_parse(wanted, &access, error);
@@ -403,9 +421,9 @@ int ctl_command(const struct ctl_wanted *wanted, char *const *words, size_t coun
     if (ctl_find(wanted->address, where, sizeof where, &error) != 0) {
         return complain(&error, wanted->address == NULL ? EXIT_OTHER : EXIT_USAGE);
     }
-    self.serial = lx_endpoint_is_serial(where);
-    self.fd = self.serial ? lx_endpoint_open_serial(where, &error)
-                          : lx_access_connect(where, greeting, &error);
+    self.serial = is_console(where);
+    self.fd =
+        self.serial ? open_console(where, &error) : lx_access_connect(where, greeting, &error);
     if (self.fd < 0) {
         return complain(&error, EXIT_OTHER);
     }

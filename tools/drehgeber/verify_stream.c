@@ -7,41 +7,15 @@
 #include <poll.h>
 #include <string.h>
 #include <sys/socket.h>
-#include <termios.h>
 #include <time.h>
 #include <unistd.h>
 
 #include "endpoint.h"
-#include "serial.h"
 #include "timer.h"
+#include "tty_open.h"
 
 /* How long a wire may take what is sent. */
 #define SEND_LIMIT_MS 1000
-
-/* A pseudo-terminal has no parity, which Debian's C library may call an invalid argument: that it
-   has the speed is what counts. */
-static int configure_tty(int fd, const struct lx_uart *uart)
-{
-    const speed_t speed = (speed_t)lx_speed_of_baud(uart->baud);
-    struct termios line;
-    if (tcgetattr(fd, &line) != 0) {
-        return -1;
-    }
-    cfmakeraw(&line);
-    line.c_cflag &= (tcflag_t) ~(PARENB | PARODD | CSTOPB | CRTSCTS);
-    line.c_cflag |= (tcflag_t)(CLOCAL | CREAD | (uart->parity != 'N' ? PARENB : 0) |
-                               (uart->parity == 'O' ? PARODD : 0));
-    line.c_cc[VMIN] = 1;
-    line.c_cc[VTIME] = 0;
-    if (cfsetispeed(&line, speed) != 0 || cfsetospeed(&line, speed) != 0) {
-        return -1;
-    }
-    if ((tcsetattr(fd, TCSADRAIN, &line) != 0 && errno != EINVAL) || tcgetattr(fd, &line) != 0) {
-        return -1;
-    }
-    errno = EINVAL;
-    return cfgetospeed(&line) == speed ? 0 : -1;
-}
 
 int verify_stream_open(const char *where, const struct lx_uart *uart, struct lx_error *error)
 {
@@ -52,16 +26,8 @@ int verify_stream_open(const char *where, const struct lx_uart *uart, struct lx_
         }
         return fd;
     }
-    const int fd = open(where, O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
-    if (fd < 0 || configure_tty(fd, uart) != 0) {
-        (void)lx_fail(error, "%s: %s", where, strerror(errno));
-        if (fd >= 0) {
-            (void)close(fd);
-        }
-        return -1;
-    }
-    (void)tcflush(fd, TCIOFLUSH);
-    return fd;
+    const int fd = tty_open(where, uart);
+    return fd >= 0 ? fd : lx_fail(error, "%s: %s", where, strerror(errno));
 }
 
 static bool wait_for(int fd, short events, int limit_ms)

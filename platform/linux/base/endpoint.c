@@ -3,14 +3,13 @@
 #include "endpoint.h"
 
 #include <errno.h>
-#include <fcntl.h>
 #include <netdb.h>
 #include <netinet/in.h>
 #include <netinet/tcp.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/epoll.h>
 #include <sys/socket.h>
-#include <termios.h>
 #include <unistd.h>
 
 #include "drehgeber/api.h"
@@ -22,7 +21,6 @@
 #define CALM_ACCEPTS 100u
 #define UNIX_PREFIX "unix:"
 #define TCP_PREFIX "tcp:"
-#define TTY_PREFIX "tty:"
 #define BACKLOG 16
 /* A TCP client whose machine is gone is noticed after a minute of silence and three questions. */
 #define KEEP_IDLE_S 60
@@ -209,9 +207,11 @@ int lx_endpoint_listen(const char *where, enum lx_endpoint_reach reach, char *ad
     return fd;
 }
 
-int lx_endpoint_calm(sd_event_source *listener)
+int lx_endpoint_watch(int listener, sd_event *event, sd_event_source **io,
+                      sd_event_io_handler_t connected, void *ctx)
 {
-    return sd_event_source_set_ratelimit(listener, CALM_US, CALM_ACCEPTS);
+    const int result = sd_event_add_io(event, io, listener, EPOLLIN, connected, ctx);
+    return result < 0 ? result : sd_event_source_set_ratelimit(*io, CALM_US, CALM_ACCEPTS);
 }
 
 static int connect_unix(const char *path)
@@ -244,39 +244,4 @@ int lx_endpoint_connect(const char *where, struct lx_error *error)
     return fd >= 0 ? fd
                    : lx_fail(error, "%s: no connection: %s; is a drehgeber running there?", where,
                              strerror(errno));
-}
-
-bool lx_endpoint_is_serial(const char *where)
-{
-    return skip_prefix(where, TTY_PREFIX) != NULL;
-}
-
-/* What came before nobody has asked for. */
-static int make_raw(int fd)
-{
-    struct termios line;
-    if (tcgetattr(fd, &line) != 0) {
-        return -1;
-    }
-    cfmakeraw(&line);
-    line.c_cflag &= (tcflag_t) ~(CSTOPB | CRTSCTS);
-    line.c_cflag |= (tcflag_t)(CLOCAL | CREAD);
-    return cfsetispeed(&line, B115200) != 0 || cfsetospeed(&line, B115200) != 0 ||
-                   tcsetattr(fd, TCSANOW, &line) != 0
-               ? -1
-               : tcflush(fd, TCIFLUSH);
-}
-
-int lx_endpoint_open_serial(const char *where, struct lx_error *error)
-{
-    const int fd = open(skip_prefix(where, TTY_PREFIX), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
-    if (fd < 0 || make_raw(fd) != 0) {
-        (void)lx_fail(error, "%s: cannot open it: %s; expected the serial port of a board", where,
-                      strerror(errno));
-        if (fd >= 0) {
-            (void)close(fd);
-        }
-        return -1;
-    }
-    return fd;
 }

@@ -56,17 +56,12 @@ bool lx_endpoint_is_loopback(int fd);
 int lx_endpoint_listen(const char *where, enum lx_endpoint_reach reach, char *address, size_t size,
                        struct lx_error *error);
 
-/** A connection that cannot be accepted for want of descriptors stays where it is: let it not keep
- * the loop busy. @return 0 or a negative errno */
-int lx_endpoint_calm(sd_event_source *listener);
+/** Be told of connections. One that cannot be accepted for want of descriptors stays where it is:
+ * it does not keep the loop busy. @return 0 or a negative errno */
+int lx_endpoint_watch(int listener, sd_event *event, sd_event_source **io,
+                      sd_event_io_handler_t connected, void *ctx);
 
 /** A connection to `where`, which blocks. @return the descriptor, or -1 with `error` */
 int lx_endpoint_connect(const char *where, struct lx_error *error);
-
-/** Whether it is tty:PATH: the console of a board, which one can open but not listen at. */
-bool lx_endpoint_is_serial(const char *where);
-
-/** Open tty:PATH at 115200 Bd 8N1, without blocking. @return the descriptor, or -1 with `error` */
-int lx_endpoint_open_serial(const char *where, struct lx_error *error);
 
 #endif

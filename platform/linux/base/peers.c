@@ -366,13 +366,6 @@ static int refuse_peers(const struct lx_peers_where *where, int reason, struct l
                            strerror(reason));
 }
 
-int lx_peers_listen(const struct lx_peers_where *where, struct lx_error *error)
-{
-    const int listener =
-        lx_tcp_listen(&where->at, where->open ? LX_ENDPOINT_ANY : LX_ENDPOINT_LOOPBACK);
-    return listener >= 0 ? listener : refuse_peers(where, errno, error);
-}
-
 static void tell_address(struct lx_peers *self)
 {
     struct lx_host_port at = self->setup.where->at;
@@ -394,15 +387,14 @@ int lx_peers_open(struct lx_peers *self, const struct lx_peers_setup *setup, str
     if (lx_timer_make(&self->farewell, setup->event, on_farewell, self, error) != 0) {
         return -1;
     }
-    self->listener = lx_peers_listen(setup->where, error);
+    const struct lx_peers_where *where = setup->where;
+    self->listener =
+        lx_tcp_listen(&where->at, where->open ? LX_ENDPOINT_ANY : LX_ENDPOINT_LOOPBACK);
     if (self->listener < 0) {
-        return -1;
+        return refuse_peers(where, errno, error);
     }
-    int result =
-        sd_event_add_io(setup->event, &self->io, self->listener, EPOLLIN, on_connection, self);
-    if (result >= 0) {
-        result = lx_endpoint_calm(self->io);
-    }
+    const int result =
+        lx_endpoint_watch(self->listener, setup->event, &self->io, on_connection, self);
     if (result < 0) {
         return lx_fail(error, "no event loop: %s", strerror(-result));
     }

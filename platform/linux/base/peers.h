@@ -56,9 +56,6 @@ int lx_peers_read(const struct lx_peers_form *form, const char *text, struct lx_
 /** Whether it is one; likewise. */
 int lx_peers_check(const struct lx_peers_form *form, const char *text, struct lx_error *error);
 
-/** A socket that listens there. @return the descriptor, or -1 with `error` */
-int lx_peers_listen(const struct lx_peers_where *where, struct lx_error *error);
-
 struct lx_peers;
 
 /** A client. */

@@ -416,11 +416,8 @@ static int start_server(struct lx_server *self, const struct dg_plan_control *at
     }
     int result = lx_timer_open(&self->timer, self->setup.event, on_time, self);
     if (result >= 0) {
-        result = sd_event_add_io(self->setup.event, &self->io, self->listener, EPOLLIN,
-                                 on_connection, self);
-    }
-    if (result >= 0) {
-        result = lx_endpoint_calm(self->io);
+        result =
+            lx_endpoint_watch(self->listener, self->setup.event, &self->io, on_connection, self);
     }
     return result < 0 ? lx_fail(error, "%s: no event loop: %s", at->where, strerror(-result)) : 0;
 }

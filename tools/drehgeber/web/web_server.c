@@ -461,11 +461,8 @@ static int start_server(struct web_server *self, const char *control, struct lx_
     }
     int result = lx_timer_open(&self->sweep, self->setup.event, on_sweep, self);
     if (result >= 0) {
-        result = sd_event_add_io(self->setup.event, &self->io, self->listener, EPOLLIN,
-                                 on_connection, self);
-    }
-    if (result >= 0) {
-        result = lx_endpoint_calm(self->io);
+        result =
+            lx_endpoint_watch(self->listener, self->setup.event, &self->io, on_connection, self);
     }
     lx_timer_at(&self->sweep, dg_after(lx_now(), SWEEP_EVERY));
     return result < 0 ? lx_fail(error, "no event loop: %s", strerror(-result)) : 0;
