@@ -60,17 +60,17 @@ void lx_host_port_print(const struct lx_host_port *self, char *to, size_t size)
     (void)snprintf(to, size, six ? "[%s]:%s" : "%s:%s", self->host, self->port);
 }
 
-/* Whether `where` is unix:PATH or tcp:HOST:PORT. */
-static int check_endpoint(const char *where, struct lx_error *error)
+/* unix:PATH; or, with `path` NULL, tcp:HOST:PORT. */
+static int split_endpoint(const char *where, const char **path, struct lx_host_port *tcp,
+                          struct lx_error *error)
 {
-    struct lx_host_port tcp;
-    const char *path = skip_prefix(where, UNIX_PREFIX);
     const char *host = skip_prefix(where, TCP_PREFIX);
-    if (path != NULL && strlen(path) >= LX_UNIX_PATH_SIZE) {
+    *path = skip_prefix(where, UNIX_PREFIX);
+    if (*path != NULL && strlen(*path) >= LX_UNIX_PATH_SIZE) {
         return lx_fail(error, "%s: expected a path of at most %lu characters", where,
                        (unsigned long)LX_UNIX_PATH_SIZE - 1);
     }
-    if (path != NULL || (host != NULL && lx_host_port_split(host, &tcp))) {
+    if (*path != NULL || (host != NULL && lx_host_port_split(host, tcp))) {
         return 0;
     }
     return lx_fail(error, "%s: expected unix:PATH or tcp:HOST:PORT", where);
@@ -188,15 +188,14 @@ int lx_endpoint_listen(const char *where, enum lx_endpoint_reach reach, char *ad
                        struct lx_error *error)
 {
     struct lx_host_port tcp;
-    const char *path = skip_prefix(where, UNIX_PREFIX);
-    if (check_endpoint(where, error) != 0) {
+    const char *path = NULL;
+    if (split_endpoint(where, &path, &tcp, error) != 0) {
         return -1;
     }
     if (path != NULL) {
         (void)snprintf(address, size, "%s", where);
         return lx_unix_listen(path, error);
     }
-    (void)lx_host_port_split(skip_prefix(where, TCP_PREFIX), &tcp);
     const int fd = lx_tcp_listen(&tcp, reach);
     if (fd < 0) {
         return refuse_listening(where, errno, error);
@@ -230,17 +229,12 @@ static int connect_unix(const char *path)
 int lx_endpoint_connect(const char *where, struct lx_error *error)
 {
     struct lx_host_port tcp;
-    const char *path = skip_prefix(where, UNIX_PREFIX);
-    if (check_endpoint(where, error) != 0) {
+    const char *path = NULL;
+    if (split_endpoint(where, &path, &tcp, error) != 0) {
         return -1;
     }
-    int fd = -1;
-    if (path != NULL) {
-        fd = connect_unix(path);
-    } else {
-        (void)lx_host_port_split(skip_prefix(where, TCP_PREFIX), &tcp);
-        fd = open_tcp(&tcp, 0, SOCK_STREAM | SOCK_CLOEXEC, connect);
-    }
+    const int fd =
+        path != NULL ? connect_unix(path) : open_tcp(&tcp, 0, SOCK_STREAM | SOCK_CLOEXEC, connect);
     return fd >= 0 ? fd
                    : lx_fail(error, "%s: no connection: %s; is a drehgeber running there?", where,
                              strerror(errno));

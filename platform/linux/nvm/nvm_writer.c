@@ -85,14 +85,6 @@ static void append_jobs(struct lx_nvm_jobs *self, struct lx_nvm_job *first, stru
     last->next = NULL;
 }
 
-static void take_up_to(struct lx_nvm_jobs *self, const struct lx_nvm_job *last)
-{
-    self->first = last->next;
-    if (self->first == NULL) {
-        self->last = NULL;
-    }
-}
-
 static void free_all(struct lx_nvm_jobs *self)
 {
     while (self->first != NULL) {
@@ -100,7 +92,6 @@ static void free_all(struct lx_nvm_jobs *self)
         self->first = job->next;
         free(job);
     }
-    self->last = NULL;
 }
 
 static struct lx_nvm_job *make_job(uint64_t ticket, uint32_t address, const void *from, size_t n)
@@ -176,7 +167,7 @@ static void finish_jobs(struct lx_nvm_queue *queue, struct lx_nvm_job *last)
 {
     struct lx_nvm_job *first = queue->jobs.first;
     queue->done = last->ticket != 0 ? last->ticket : queue->done;
-    take_up_to(&queue->jobs, last);
+    queue->jobs.first = last->next; /* `last` of an empty list is not looked at */
     append_jobs(&queue->spent, first, last);
     queue->lined_up = false;
     if (queue->jobs.first != NULL) {

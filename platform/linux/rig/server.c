@@ -152,11 +152,9 @@ static void look_what_is_written(struct client *client, uint64_t before)
 
 static void drop_session(struct client *client)
 {
-    if (client->fd >= 0) {
-        dg_scpi_leave(&client->control.session);
-    }
     client->io = sd_event_source_disable_unref(client->io);
     if (client->fd >= 0) {
+        dg_scpi_leave(&client->control.session);
         (void)close(client->fd);
     }
     free(client->output);

@@ -100,15 +100,6 @@ static void draw_level(struct uart *self, enum side side, dg_ns at, bool level)
     }
 }
 
-static bool even_parity_of(uint8_t byte)
-{
-    bool odd = false;
-    for (; byte != 0; byte &= (uint8_t)(byte - 1u)) {
-        odd = !odd;
-    }
-    return odd;
-}
-
 /* Damage is where a receiver finds it: in the parity, or in the stop bit. */
 static void draw_character(struct uart *self, const struct character *character, dg_ns start)
 {
@@ -121,9 +112,8 @@ static void draw_character(struct uart *self, const struct character *character,
     }
     dg_ns stop = start + dg_bit_times_ns(1u + DATA_BITS, baud);
     if (character->parity != 'N') {
-        const bool odd = character->parity == 'O';
-        draw_level(self, side, stop,
-                   even_parity_of(character->byte) != (odd != character->damaged));
+        const bool odd = (character->parity == 'O') != character->damaged;
+        draw_level(self, side, stop, (__builtin_parity(character->byte) != 0) != odd);
         stop = start + dg_bit_times_ns(2u + DATA_BITS, baud);
     } else if (character->damaged) {
         draw_level(self, side, stop, false);

@@ -32,6 +32,7 @@ static const uint8_t options[] = {0 /* binary */, 3 /* suppress go ahead */, 44 
 
 #define NOTIFY_LINE 6u
 #define NOTIFY_MODEM 7u
+#define FLOW_SUSPEND 8u
 /* Always: the line is idle and there is room; carrier, data set ready, clear to send. */
 #define LINE_IDLE 0x60u
 #define MODEM_READY 0xB0u
@@ -171,24 +172,14 @@ static void set_control(const struct call *call)
     answer_byte(call->event, call->code, *control == 0 ? found[group] : *control);
 }
 
-static void tell_line(const struct call *call)
+static void tell_state(const struct call *call)
 {
-    answer_byte(call->event, NOTIFY_LINE, LINE_IDLE);
+    answer_byte(call->event, call->code, call->code == NOTIFY_LINE ? LINE_IDLE : MODEM_READY);
 }
 
-static void tell_modem(const struct call *call)
+static void set_flow(const struct call *call)
 {
-    answer_byte(call->event, NOTIFY_MODEM, MODEM_READY);
-}
-
-static void suspend(const struct call *call)
-{
-    call->self->suspended = true;
-}
-
-static void resume(const struct call *call)
-{
-    call->self->suspended = false;
+    call->self->suspended = call->code == FLOW_SUSPEND;
 }
 
 static void set_line_mask(const struct call *call)
@@ -208,9 +199,9 @@ static const struct {
     uint8_t length;
     void (*act)(const struct call *call);
 } commands[] = {
-    {0, tell_name},     {4, set_baud},  {1, set_data_bits}, {1, set_parity}, {1, set_stop_bits},
-    {1, set_control},   {0, tell_line}, {0, tell_modem},    {0, suspend},    {0, resume},
-    {1, set_line_mask}, {1, accept},    {1, accept},
+    {0, tell_name},     {4, set_baud},   {1, set_data_bits}, {1, set_parity}, {1, set_stop_bits},
+    {1, set_control},   {0, tell_state}, {0, tell_state},    {0, set_flow},   {0, set_flow},
+    {1, set_line_mask}, {1, accept},     {1, accept},
 };
 
 static void execute_setting(struct lx_rfc2217 *self, const struct lx_uart *found,
