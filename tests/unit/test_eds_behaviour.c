@@ -280,6 +280,19 @@ static void speed_in_32_bits_is_steps_a_second(void **state)
     assert_in_range(co_rig_get(&rig.co, 0x6030, 1), 3599, 3601);
 }
 
+/* A window of 0 ms would have no speed: it counts as 1 ms, so that a millisecond tells all. */
+static void a_window_of_nothing_is_one_millisecond(void **state)
+{
+    (void)state;
+    eds_rig_start(&rig, TYPE OBJECTS STEPS("65536") WINDOW("0"));
+    turn_at(0);
+    const struct dg_motion motion = {
+        .kind = DG_MOTION_SPEED, .start = rig.co.now, .from = DG_TURN / 3, .mrpm = 60000};
+    rig.co.motion = motion;
+    co_rig_run(&rig.co, DG_MS(3) / 2);
+    assert_in_range(co_rig_get(&rig.co, 0x6030, 1), 65000, 66000);
+}
+
 /* 2^24 steps at 1000 turns/s are more than 2^31 a second. */
 static void speed_that_does_not_fit_is_the_highest_one(void **state)
 {
@@ -366,6 +379,7 @@ int main(void)
         cmocka_unit_test(its_operating_time_goes_on_after_a_power_cycle),
         cmocka_unit_test(bits_of_a_manufacturer_are_kept),
         cmocka_unit_test(speed_in_32_bits_is_steps_a_second),
+        cmocka_unit_test(a_window_of_nothing_is_one_millisecond),
         cmocka_unit_test(speed_that_does_not_fit_is_the_highest_one),
         cmocka_unit_test(a_jump_is_the_highest_speed),
         cmocka_unit_test(windows_are_1_to_1000_ms),

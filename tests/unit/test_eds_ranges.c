@@ -159,6 +159,8 @@ static void what_cams_are(void **state)
     (void)state;
     start_encoder();
     assert_int_equal(rig.file.file.plain, 2); /* 6501h, 6502h */
+    assert_int_equal(rig.file.file.bound,
+                     3u + (3u + 8u * 3u) * 2u); /* 1000h, 1010h:1, 6004h, cams */
     for (uint16_t i = 0; i < dictionary->count; i++) {
         if (dictionary->rows[i].key >> 16 >= 0x6300 && dictionary->rows[i].key >> 16 < 0x6340) {
             assert_int_equal(dg_co_role_of(&rig.file.file, i), DG_CO_SIMULATED);
