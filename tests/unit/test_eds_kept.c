@@ -37,12 +37,14 @@ static void start_with_values(void)
     assert_int_equal(rig.file.file.kept, COUNT);
 }
 
-/* Where each value lies follows from this: a change makes EEPROMs unreadable that users have. */
-static void an_eeprom_has_the_size_that_it_always_had(void **state)
+/* Where each value lies follows from the size: a change of it, or of the identifier, makes EEPROMs
+ * foreign that users have. */
+static void an_eeprom_is_the_one_that_it_always_was(void **state)
 {
     (void)state;
     start_with_values();
     assert_int_equal(dg_store_size(rig.file.file.device.layout), 1570);
+    assert_int_equal(rig.file.file.device.layout->id, 0x3FE2B047);
 }
 
 static void write_all(void)
@@ -245,7 +247,7 @@ static void one_range_too_many_is_noted(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(an_eeprom_has_the_size_that_it_always_had),
+        cmocka_unit_test(an_eeprom_is_the_one_that_it_always_was),
         cmocka_unit_test(values_are_kept_however_many_regions_they_take),
         cmocka_unit_test(only_the_word_saves),
         cmocka_unit_test(a_memory_that_is_silent_saves_nothing),

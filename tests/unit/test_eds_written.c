@@ -96,6 +96,18 @@ static void a_number_beyond_its_key_is_left_out(void **state)
     assert_true(is_noted("2000", "is no number here"));
 }
 
+static void an_identity_may_be_in_the_head_only(void **state)
+{
+    (void)state;
+    eds_rig_start(&rig, "[DeviceInfo]\nVendorNumber=0x2A\nProductNumber=7\nRevisionNumber=3\n" TYPE
+                        "[1018]\nObjectType=9\n[1018sub1]\nDataType=7\nAccessType=ro\n"
+                        "[1018sub2]\nDataType=7\nAccessType=ro\n"
+                        "[1018sub3]\nDataType=7\nAccessType=ro\n");
+    assert_int_equal(co_rig_get(&rig.co, 0x1018, 1), 0x2A);
+    assert_int_equal(co_rig_get(&rig.co, 0x1018, 2), 7);
+    assert_int_equal(co_rig_get(&rig.co, 0x1018, 3), 3);
+}
+
 static void words_may_have_something_behind_them(void **state)
 {
     static const struct {
@@ -333,6 +345,8 @@ static void the_lowest_rate_of_the_file_is_the_delivered_one(void **state)
     assert_int_equal(rig.co.kbaud, 50);
     eds_rig_start(&rig, "[DeviceInfo]\nBaudRate_500=1\n[DeviceComissioning]\nBaudrate=800\n" TYPE);
     assert_int_equal(rig.co.kbaud, 800);
+    eds_rig_start(&rig, "[DeviceInfo]\nBaudRate_20=1\n[DeviceComissioning]\nBaudrate=1000\n" TYPE);
+    assert_int_equal(rig.co.kbaud, 1000);
 }
 
 /* ------------------------------------------------------------ hosts */
@@ -395,6 +409,7 @@ int main(void)
         cmocka_unit_test(numbers_come_in_many_forms),
         cmocka_unit_test(what_is_no_number_is_left_out),
         cmocka_unit_test(a_number_beyond_its_key_is_left_out),
+        cmocka_unit_test(an_identity_may_be_in_the_head_only),
         cmocka_unit_test(words_may_have_something_behind_them),
         cmocka_unit_test(comments_and_sections_of_tools_are_left_alone),
         cmocka_unit_test(both_spellings_of_commissioning_count),
