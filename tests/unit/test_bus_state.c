@@ -241,6 +241,7 @@ static void a_bus_may_go_back(void **state)
         bus_scene_play(scene, &worlds[0], 0, 40);
         assert_int_equal(save(&worlds[0]), DG_HOST_OK);
         hand_over(&worlds[0], &worlds[1]);
+        const dg_ns next = dg_bus_next(worlds[0].bus);
         size_t count = 0;
         for (unsigned turn = 0; turn < 3; turn++) {
             bus_told_count = 0;
@@ -253,6 +254,7 @@ static void a_bus_may_go_back(void **state)
             restore_hosts(&worlds[0]);
             assert_int_equal(dg_bus_restore(worlds[0].bus, of_bus, sizes[0]), DG_HOST_OK);
             hand_over(&worlds[1], &worlds[0]);
+            assert_int_equal(dg_bus_next(worlds[0].bus), next);
         }
     }
 }

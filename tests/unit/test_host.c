@@ -148,6 +148,26 @@ static void a_reply_ends_with_the_power(void **state)
     assert_int_equal(event.length, 7);
 }
 
+/* 56h has more characters than an event: behind its end an event has zeros, not the one before. */
+static void a_long_reply_leaves_nothing_behind_its_end(void **state)
+{
+    static const uint8_t zeros[sizeof((struct dg_host_event *)0)->data];
+    struct dg_host *self = host_rig_start(&host_rig_here, "s3684-rs485");
+    const struct dg_host_event request = {
+        .at = READY + MS, .kind = DG_HOST_BYTES, .length = 3, .data = {0x40, 0x56, 0x16}};
+    struct dg_host_event event;
+    unsigned count = 0;
+    (void)state;
+    host_rig_drain(self);
+    assert_int_equal(dg_host_send(self, &request), DG_HOST_OK);
+    (void)dg_host_step(self, READY + 200 * MS);
+    for (; dg_host_receive(self, &event) == 1; count++) {
+        assert_memory_equal(&event.data[event.length], zeros, sizeof zeros - event.length);
+    }
+    assert_int_equal(count, 3);
+    assert_in_range(event.length, 1, sizeof zeros - 1u);
+}
+
 static void check_biss(const struct host_rig_model *row)
 {
     struct dg_host *self = host_rig_start(&host_rig_here, row->name);
@@ -544,6 +564,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(every_model_tells_its_medium_and_its_address),
         cmocka_unit_test(characters_take_their_bits),
         cmocka_unit_test(a_reply_ends_with_the_power),
+        cmocka_unit_test(a_long_reply_leaves_nothing_behind_its_end),
         cmocka_unit_test(a_state_goes_on_in_another_process),
         cmocka_unit_test(the_pace_of_the_host_does_not_matter),
         cmocka_unit_test(a_state_that_is_not_its_own_is_refused),

@@ -385,6 +385,15 @@ static void nobody_needs_the_figures(void **state)
     assert_ptr_equal(self.store.layout, layout_of("la26"));
 }
 
+/* By it an encoder knows its EEPROM: with another one those of users would be foreign. */
+static void a_text_has_the_identifier_that_it_always_had(void **state)
+{
+    (void)state;
+    assert_int_equal(layout_of("la25")->id, 0xA28718AB);
+    assert_int_equal(layout_of("sin512")->id, 0xCE9C0948);
+    assert_int_equal(layout_of("drum")->id, 0xD64C6B95);
+}
+
 /* An SSI encoder has no EEPROM, and so nothing in it has figures. */
 static void without_an_eeprom_there_is_no_stamp(void **state)
 {
@@ -410,6 +419,7 @@ int main(void)
         cmocka_unit_test(memories_that_fail_do_no_harm),
         cmocka_unit_test(figures_that_are_none),
         cmocka_unit_test(nobody_needs_the_figures),
+        cmocka_unit_test(a_text_has_the_identifier_that_it_always_had),
         cmocka_unit_test(without_an_eeprom_there_is_no_stamp),
     };
     return cmocka_run_group_tests(tests, read_plan, NULL);

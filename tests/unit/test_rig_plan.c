@@ -140,6 +140,22 @@ static void clients_have_memory_for_courses(void **state)
     }
 }
 
+static void names_are_letters_digits_and_two_signs(void **state)
+{
+    static const char *const wrong[] = {"!a", "a!", ":", "\xC3\xA9t", "a.b", "[a"};
+    static struct bench bench;
+    (void)state;
+    read_good(&bench, "[encoder _A-9]\nmodel = ssi-25\nwire = sim\n");
+    for (size_t i = 0; i < DG_COUNT(wrong); i++) {
+        char text[80];
+        char what[60];
+        (void)snprintf(text, sizeof text, "[encoder %s]\nmodel = ssi-25\nwire = sim\n", wrong[i]);
+        (void)snprintf(what, sizeof what, "[encoder %s]", wrong[i]);
+        assert_refused(&bench, text, "", 1, "");
+        assert_string_equal(bench.error.key, what);
+    }
+}
+
 static void kinds_of_wire_are_everybodys(void **state)
 {
     static struct bench bench;
@@ -483,6 +499,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(memory_of_any_size),
         cmocka_unit_test(clients_have_memory_for_courses),
+        cmocka_unit_test(names_are_letters_digits_and_two_signs),
         cmocka_unit_test(kinds_of_wire_are_everybodys),
         cmocka_unit_test(settings_of_wires),
         cmocka_unit_test(a_setup_of_another_version),
