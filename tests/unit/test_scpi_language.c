@@ -92,6 +92,7 @@ static const struct row headers[] = {
     {"near: called as what it takes", "SHAF:SPEED 60\n",   "", UNDEFINED("SHAF:SPEED; closest is SHAFt:VELocity SPEED")},
     {"near: or as its beginning",     "WORL:VOLT 4\n",     "", UNDEFINED("WORL:VOLT; closest is WORLd:SUPPly VOLTAGE")},
     {"near: the command, not a query with less amiss", "SHAF:STO 5\n", "", UNDEFINED("SHAF:STO; closest is SHAFt:STOP")},
+    {"near: no character of a header", "~HAF:POS 9DEG\n", "", UNDEFINED("~HAF:POS; SYSTem:HELP? has all")},
     {"near: three of five is too far", "SHAF:SXEXX 5\n",   "", UNDEFINED("SHAF:SXEXX; SYSTem:HELP? has all")},
     {"near: seven nodes are too many", "A:B:C:D:E:SHAF:POS?\n", "", UNDEFINED("A:B:C:D:E:SHAF:POS?; SYSTem:HELP? has all")},
     {"near: 17 letters are no keyword", "SHAF:POSITIONPOSITIONP?\n", "", UNDEFINED("SHAF:POSITIONPOSITIONP?; SYSTem:HELP? has all")},
