@@ -273,6 +273,11 @@ class Master:
             self._line_free_at = time.monotonic() + self.bits_s(self.pause_bits)
         return got
 
+    def drain(self) -> None:
+        """Read until the line is silent."""
+        while self.receive(4096, 0.1):
+            pass
+
     def transact(self, request: bytes, reply_bytes: int, reaction_ms: int = 250) -> bytes:
         """Send a request as it is; return the data bytes of its reply, checked."""
         address, command = request[0], request[1]
