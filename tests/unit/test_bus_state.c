@@ -275,6 +275,7 @@ static void a_state_says_the_same_anywhere(void **state)
             }
         }
         assert_memory_equal(of_bus, first, sizes[0]);
+        assert_memory_equal(of_bus, "DGBUSST\1", 8);
     }
 }
 

@@ -41,6 +41,7 @@ static void a_state_may_be_saved_before_the_first_power_on(void **state)
     (void)state;
     assert_int_equal(dg_host_set(self, "address", "45h"), DG_HOST_OK);
     const size_t n = save(self, blob);
+    assert_memory_equal(blob, "DGSTATE\1", 8);
     assert_int_equal(dg_host_restore(other, blob, n), DG_HOST_OK);
     assert_true(dg_host_get(other, "address", text, sizeof text) > 0);
     assert_string_equal(text, "69");

@@ -157,6 +157,9 @@ static void a_number_is_told_whole_or_not_at_all(void **state)
     assert_int_equal(dg_key_get(&lowest, &value, told, sizeof told - 1u), 12);
     assert_string_equal(told, "-2.147483648");
     assert_int_equal(dg_key_get(&lowest, &value, told, 13), 12);
+    const struct dg_key tenths = {"tenths", "", 0, DG_KEY_I32, 1, 1, -100, 100, NULL, "one place"};
+    assert_int_equal(dg_key_get(&tenths, &(const int32_t){-5}, told, sizeof told), 4);
+    assert_string_equal(told, "-0.5");
     assert_int_equal(dg_key_get(&lowest, &value, told, 12), DG_ERR_SPACE);
     assert_int_equal(dg_key_get(&lowest, &value, told, 0), DG_ERR_SPACE);
 }
