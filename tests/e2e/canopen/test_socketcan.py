@@ -21,7 +21,8 @@ def cansend(frame: str):
 
 @pytest.fixture
 def background():
-    """Start programs that run beside the test; ended by their process."""
+    """Start programs that run beside the test. The last one ends first: canbusload sees that it is to end with the
+    next frame only, which another one of them sends."""
     running = []
 
     def begin(*arguments) -> subprocess.Popen:
@@ -30,7 +31,7 @@ def background():
         return running[-1]
 
     yield begin
-    for process in running:
+    for process in reversed(running):
         if process.poll() is None:
             process.send_signal(signal.SIGINT)
         process.wait(PATIENCE_S)
