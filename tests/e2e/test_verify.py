@@ -29,8 +29,8 @@ def parts(model: str) -> list:
 
 
 @pytest.fixture(scope="module")
-def crowd(tmp_path_factory):
-    crowd = Crowd(tmp_path_factory.mktemp("encoders"))
+def crowd():
+    crowd = Crowd()
     yield crowd
     assert crowd.end() == []
 

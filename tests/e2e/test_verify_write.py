@@ -17,8 +17,8 @@ HIPERFACE_WRITES = {0x43, 0x47, 0x49, 0x4D, 0x4F, 0x55, 0x57}
 
 
 @pytest.fixture(scope="module")
-def crowd(tmp_path_factory):
-    crowd = Crowd(tmp_path_factory.mktemp("encoders"))
+def crowd():
+    crowd = Crowd()
     yield crowd
     # rows give two services one CAN-ID, as a master may
     assert [line for line in crowd.end() if "two services of this node" not in line] == []
@@ -97,6 +97,22 @@ def test_one_that_dies_changed_is_restored_later(crowd):
     assert restored.stdout == "the encoder is as it was\n" and state("s3684-rs485", folder) == before
     again = verify("s3684-rs485", folder / "link", "--restore", "--journal", journal)
     assert again.stdout == "nothing is left to put back\n"
+
+
+def test_one_whose_answer_from_its_new_address_is_lost_is_found_there(crowd):
+    folder = crowd.begin("moved", "s3684-rs485")
+    before, lost = state("s3684-rs485", folder), []
+
+    def lose(request, answer):
+        if not lost and answer[1:2] == b"\x55":
+            lost.append(answer)
+            return None
+        return answer
+
+    with Between(folder / "link", lose) as wire:
+        ended = verify("s3684-rs485", wire.path, "5.1.2.16-7", "--json", "--write", "--journal", folder / "journal")
+    assert lost and results(ended)["hiperface", "5.1.2.16-7"] == ("agrees", "")
+    assert state("s3684-rs485", folder) == before
 
 
 # --- the journal ----------------------------------------------------------------------------------

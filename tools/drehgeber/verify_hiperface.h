@@ -65,6 +65,10 @@ static inline uint32_t be32(const uint8_t *from)
 bool verify_hiperface_ask_again(struct hiperface *self, uint8_t command, size_t length,
                                 struct frame *to, struct cf_report *report);
 
+/* Put it back to its address from each one that the journal says it was given. @return whether it answers
+   there */
+bool verify_hiperface_find(struct hiperface *self, struct cf_report *report);
+
 /* Send `request`, with its check sum behind it. @return whether something has come that is no
    error */
 bool verify_hiperface_command(struct hiperface *self, const uint8_t *request, size_t n,

@@ -6,21 +6,19 @@
 #include "verify_hiperface.h"
 #include "verify_stream.h"
 
-/* @return whether it answers at its address again */
-static bool put_address_back(struct hiperface *self)
+bool verify_hiperface_find(struct hiperface *self, struct cf_report *report)
 {
     const struct verify_journal *journal = self->base.journal;
-    struct cf_report report = {0};
     struct frame came;
-    for (size_t i = journal->count; i > 0; i--) {
+    for (size_t i = journal == NULL ? 0 : journal->count; i > 0; i--) {
         const struct verify_note *note = &journal->notes[i - 1u];
         const bool moved = !note->before && note->n >= 5 && note->bytes[1] == 0x55u;
-        if (moved && !verify_hiperface_ask_again(self, 0x42, 7, &came, &report)) {
+        if (moved && !verify_hiperface_ask_again(self, 0x42, 7, &came, report)) {
             const uint8_t back[] = {note->bytes[2], 0x55, ADDRESS, note->bytes[3]};
             (void)verify_hiperface_command(self, back, sizeof back, &came);
         }
     }
-    return verify_hiperface_ask_again(self, 0x42, 7, &came, &report);
+    return verify_hiperface_ask_again(self, 0x42, 7, &came, report);
 }
 
 /* Change every code that one may have now to the one as delivered. @return whether it is that */
@@ -131,7 +129,7 @@ bool verify_hiperface_put_back(struct verify_encoder *base, struct cf_report *re
     struct hiperface *self = of(base);
     const struct verify_journal *journal = base->journal;
     verify_stream_sleep(lx_real_now() + (was_sent(journal, 0x53) ? REPLY_MAX : 0));
-    if (!put_address_back(self)) {
+    if (!verify_hiperface_find(self, report)) {
         return verify_fail(base, VERIFY_LOST, report, "the address");
     }
     if (was_sent(journal, 0x4F) && !put_codes_back(self)) {
