@@ -39,6 +39,8 @@
 #include "drehgeber/quantity.h"
 #include "drehgeber/rig.h"
 #include "drehgeber/rig_engine.h"
+#include "drehgeber/ring_coupler.h"
+#include "drehgeber/ring_master.h"
 #include "drehgeber/scpi.h"
 #include "drehgeber/shaft.h"
 #include "drehgeber/slcan.h"

@@ -26,17 +26,6 @@ static bool is_data_next(const struct ring *ring)
     return ring->configured && ring->dead == 0 && ring->spoil_at == DG_RING_WHOLE;
 }
 
-static bool is_bent(const struct dg_bus *self)
-{
-    for (size_t i = 0; i < self->count; i++) {
-        const struct dg_faults *faults = faults_of(member_at(self, i));
-        if (faults != NULL && faults->wire != 0) {
-            return true;
-        }
-    }
-    return false;
-}
-
 /* What faults do to the cycle to come, which may be an ID cycle. @return false: it does not take
  * place */
 static bool prepare_cycle(struct dg_bus *self, bool data)
@@ -531,9 +520,9 @@ dg_ns dg_ring_quiet(const struct dg_bus *self)
     dg_ns until = DG_NEVER;
 
     if (ring->id_only || ring->is.result == DG_RING_INTERRUPTED) {
-        return is_bent(self) ? self->now : DG_NEVER;
+        return is_ring_bent(self) ? self->now : DG_NEVER;
     }
-    if (ring->is.result != DG_RING_OK || is_bent(self)) {
+    if (ring->is.result != DG_RING_OK || is_ring_bent(self)) {
         return self->now;
     }
     for (size_t i = 0; i < self->count; i++) {

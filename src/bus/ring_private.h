@@ -2,7 +2,7 @@
 /**
  * @file
  * A ring from inside: ring.c is its cycles, ring_answers.c what the master sees in place of what an
- * encoder has said.
+ * encoder has said, ring_master.c when there is a cycle.
  *
  *   | struct dg_bus | struct ring | struct member | struct member | ...
  */
@@ -65,6 +65,18 @@ static inline struct member *member_at(const struct dg_bus *self, size_t index)
 static inline struct dg_faults *faults_of(const struct member *self)
 {
     return self->place.control != NULL ? &self->place.control->faults : NULL;
+}
+
+/** Whether a fault of the wire is set at one of the encoders. */
+static inline bool is_ring_bent(const struct dg_bus *self)
+{
+    for (size_t i = 0; i < self->count; i++) {
+        const struct dg_faults *faults = faults_of(member_at(self, i));
+        if (faults != NULL && faults->wire != 0) {
+            return true;
+        }
+    }
+    return false;
 }
 
 /** In a data cycle that is about to take place: whether dg_bus_ring_bend_words() is to be called,

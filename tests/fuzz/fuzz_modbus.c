@@ -60,7 +60,7 @@ static struct bench {
 } bench;
 
 /* The registers that exist, K1 to K3 behind the coupler, by address. */
-static const struct lx_range inside[] = {
+static const struct dg_ib_registers inside[] = {
     {0x0000, WORDS}, {0x0800, WORDS}, {0x1000, 10}, {0x100C, 1},
     {0x1010, 6},     {0x1020, 1},     {0x1120, 4},  {0x2000, 16 * DEVICES},
 };
@@ -299,17 +299,9 @@ static void cycle(dg_ns time)
     const dg_ns clock = lx_now();
 
     bench.now = dg_after(bench.now > clock ? bench.now : clock, time);
-    lx_map_tick(&bench.coupler.map, bench.now);
-    (void)lx_ring_cycle(bench.ring, bench.now);
+    (void)dg_ring_master_cycle(&bench.ring->master, bench.now);
     fuzz_must((uint64_t)counters->cycles + counters->ids > before);
-    fuzz_must(!bench.ring->stopped || bench.coupler.map.watchdog.fired);
-}
-
-/* The coupler's own first cycle; its next one is an hour away. */
-static void drive(void *ctx, dg_ns now)
-{
-    (void)ctx;
-    (void)now;
+    fuzz_must(!bench.ring->master.stopped || bench.ring->master.watchdog.fired);
 }
 
 /* --- operations; each takes what it needs from the input --- */
@@ -422,11 +414,8 @@ static void open_coupler(void)
     struct lx_error error;
 
     fuzz_must(sd_event_new(&bench.event) >= 0);
-    const struct lx_modbus_setup setup = {.event = bench.event,
-                                          .where = "127.0.0.1:0",
-                                          .ring = &bench.rig.ring,
-                                          .cycle = DG_S(3600),
-                                          .drive = drive};
+    const struct lx_modbus_setup setup = {
+        .event = bench.event, .where = "127.0.0.1:0", .master = &bench.rig.ring.master};
     fuzz_must(lx_modbus_open(&bench.coupler, &setup, &error) == 0);
     fuzz_must(getsockname(bench.coupler.peers.listener, (struct sockaddr *)&bench.port, &length) ==
               0);
@@ -462,9 +451,9 @@ static void set_up(struct fuzz_input *input)
     modbus_rig_plan(&bench.rig, models, DEVICES);
     bench.now = lx_now();
     fuzz_must(modbus_rig_open(&bench.rig, NULL, NULL, bench.now, &error) == 0);
-    lx_map_init(&bench.coupler.map, bench.ring);
+    bench.ring->master.next = dg_after(bench.now, DG_S(3600)); /* all cycles are operations */
     const uint8_t how = fuzz_take(input);
-    bench.coupler.map.tear = (how & 1u) != 0;
+    dg_ib_coupler_init(&bench.coupler.map, &bench.ring->master, (how & 1u) != 0);
     set_places((how & 2u) != 0);
     memset(bench.coupler.registers, UNTOUCHED, sizeof bench.coupler.registers);
 }
@@ -484,16 +473,16 @@ static void check_outside(void)
     size_t at = 0;
 
     for (size_t i = 0; i <= INSIDE; i++) {
-        const size_t end = i < INSIDE ? inside[i].first : LX_MAP_END;
+        const size_t end = i < INSIDE ? inside[i].first : DG_IB_COUPLER_END;
         fuzz_must(is_all(registers + at, (end - at) * sizeof *registers, UNTOUCHED));
         at = i < INSIDE ? end + inside[i].count : at;
     }
-    fuzz_must(is_all(bench.ring->in + WORDS,
-                     (DEVICES * DG_RING_WORDS_MAX - WORDS) * sizeof *bench.ring->in, 0));
+    const uint16_t *in = dg_ring_master_in(&bench.ring->master);
+    fuzz_must(is_all(in + WORDS, (DEVICES * DG_RING_WORDS_MAX - WORDS) * sizeof *in, 0));
     fuzz_must(is_all(bench.ring->out + WORDS,
                      sizeof bench.ring->out - WORDS * sizeof *bench.ring->out, 0));
-    fuzz_must(bench.coupler.map.watchdog.type <= 1);
-    fuzz_must(bench.coupler.map.watchdog.fallback < LX_FALLBACK_COUNT);
+    fuzz_must(bench.coupler.map.fed_by_each <= 1);
+    fuzz_must(bench.ring->master.watchdog.fallback < DG_RING_FALLBACK_COUNT);
 }
 
 /* A client that switches the watchdog off and writes OUT starts whatever had stopped. */

@@ -42,6 +42,7 @@ SEEN_FROM_OUTSIDE = {
     "host":       {"core", "host"},
     "side":       {"core", "host"},
     "master":     {"core", "bus"},
+    "coupler":    {"core", "bus"},
     "words":      {"core", "words"},
 }
 # room of platform/, folder of tools/: the same, and the rooms whose headers it may include:
@@ -145,6 +146,8 @@ OWNER = {
     "bus_master.h": "bus",
     "bus_queue.h": "bus",
     "bus_words.h": "bus",
+    "ring_master.h": "bus",
+    "ring_coupler.h": "interbus",
 }
 ROWS = {}
 # The header for users that includes all others; the core only implements its dg_version().

@@ -87,7 +87,7 @@ JUDGES = {
                                 r"realtime\.scarce", r"realtime\.(gpio|sim_bus)",
                                 r"e2e\.(biss|biss_settings|ssi|virtual_time)",
                                 r"e2e\.(control/|rig|trace_tools)"],
-    "platform/linux/interbus/": [r"unit\.(modbus|ib_idle|ib_map|ring_files|refused)", r"golden\.", r"realtime\.scarce",
+    "platform/linux/interbus/": [r"unit\.(modbus|ib_map|ring_files|refused)", r"golden\.", r"realtime\.scarce",
                                  r"realtime\.ring_bus",
                                  r"e2e\.interbus", r"e2e\.(virtual_time|trace_tools)", r"e2e\.control/"],
     "platform/linux/trace/": [r"unit\.(tap|trace|trace_replaced|trace_uart|rig_client)", r"golden\.",

@@ -12,7 +12,6 @@
 #include "fmu_file.h"
 #include "help.h"
 #include "list.h"
-#include "modbus_map.h"
 #include "model_c.h"
 #include "options.h"
 #include "run.h"
@@ -93,6 +92,12 @@ static bool file_is_read(const struct options *options)
     return true;
 }
 
+static void print_line(void *ctx, const char *text)
+{
+    (void)ctx;
+    (void)puts(text);
+}
+
 /* The registers of a model, or of a whole --ring. */
 static int map(const struct options *options)
 {
@@ -111,7 +116,7 @@ static int map(const struct options *options)
     for (size_t i = 0; i < plan.encoder_count; i++) {
         models[i] = dg_ib_model_of(plan.encoders[i].model);
     }
-    lx_map_print(models, plan.encoder_count, stdout);
+    dg_ib_coupler_describe(models, plan.encoder_count, print_line, NULL);
     lx_plan_free(&plan);
     return flushed();
 }

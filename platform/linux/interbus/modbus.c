@@ -3,8 +3,8 @@
  * Requests are collected without blocking and checked here; libmodbus makes the answers. Its own
  * receiver would wait for the rest of a request, and the ring with it.
  *
- *   client -- on_byte --> bytes --> check --> time --> map --> modbus_reply()
- *   timer  -- on_time  --> time: watchdog, drive(): ring
+ *   client -- on_byte --> bytes --> check --> coupler's registers --> modbus_reply()
+ *   timer  -- on_time  --> the ring's master
  */
 #include "modbus.h"
 
@@ -26,14 +26,14 @@ struct client {
 struct request {
     const uint8_t *pdu;
     size_t length;
-    struct lx_range read;
-    struct lx_range write;
+    struct dg_ib_registers read;
+    struct dg_ib_registers write;
     const uint8_t *values; /* most significant byte first */
 };
 
-static struct lx_range range_at(const uint8_t *pdu)
+static struct dg_ib_registers range_at(const uint8_t *pdu)
 {
-    return (struct lx_range){dg_load_be16(pdu), dg_load_be16(pdu + 2)};
+    return (struct dg_ib_registers){dg_load_be16(pdu), dg_load_be16(pdu + 2)};
 }
 
 _Static_assert(LX_MODBUS_ADU_MAX == HEADER + 6u + 2u * MODBUS_MAX_WRITE_REGISTERS + 1u,
@@ -46,7 +46,7 @@ static bool written_values_fit(const struct request *rq, size_t at)
     return rq->pdu[at] == 2u * rq->write.count && rq->length == at + 1u + rq->pdu[at];
 }
 
-static bool count_fits(const struct lx_range *range)
+static bool count_fits(const struct dg_ib_registers *range)
 {
     return range->count >= 1 && range->count <= MODBUS_MAX_READ_REGISTERS;
 }
@@ -59,7 +59,7 @@ static bool parse_read(struct request *rq)
 
 static bool parse_write_one(struct request *rq)
 {
-    rq->write = (struct lx_range){dg_load_be16(rq->pdu + 1), 1};
+    rq->write = (struct dg_ib_registers){dg_load_be16(rq->pdu + 1), 1};
     rq->values = rq->pdu + 3;
     return true;
 }
@@ -111,43 +111,38 @@ static unsigned parse_request(struct request *rq)
 static unsigned execute_request(struct lx_modbus *self, const struct request *rq)
 {
     uint16_t values[MODBUS_MAX_WRITE_REGISTERS];
-    if (!lx_map_readable(&self->map, rq->read) || !lx_map_writable(&self->map, rq->write)) {
+    if (!dg_ib_coupler_readable(&self->map, rq->read) ||
+        !dg_ib_coupler_writable(&self->map, rq->write)) {
         return MODBUS_EXCEPTION_ILLEGAL_DATA_ADDRESS;
     }
     for (size_t i = 0; i < rq->write.count; i++) {
         values[i] = dg_load_be16(rq->values + 2u * i);
     }
-    if (!lx_map_write(&self->map, rq->write, values)) {
+    if (!dg_ib_coupler_write(&self->map, rq->write, values)) {
         return MODBUS_EXCEPTION_ILLEGAL_DATA_VALUE;
     }
-    lx_map_read(&self->map, rq->read, &self->registers[rq->read.first]);
+    dg_ib_coupler_read(&self->map, rq->read, &self->registers[rq->read.first]);
     return 0;
 }
 
-/* Sleep until a cycle does something by itself. */
-static void sleep_until_cycle(struct lx_modbus *self)
+void lx_modbus_sleep(struct lx_modbus *self)
 {
-    lx_timer_at(&self->timer, lx_ring_time_next(&self->time));
+    lx_timer_at(&self->timer, dg_ring_master_next(self->setup.master));
 }
 
 /* @return false: the client does not take its answers */
 static bool answer_client(struct lx_modbus *self, int fd, uint8_t *bytes, size_t length)
 {
     struct request rq = {.pdu = bytes + HEADER, .length = length - HEADER};
-    const dg_ns now = lx_now();
     unsigned exception = parse_request(&rq);
-    lx_ring_time_to(&self->time, now);
-    lx_map_request(&self->map, now);
+    dg_ib_coupler_request(&self->map, lx_now());
     if (exception == 0) {
         exception = execute_request(self, &rq);
     }
-    if (exception == 0 && rq.write.count > 0) {
-        lx_ring_time_stir(&self->time);
-    }
-    sleep_until_cycle(self);
+    lx_modbus_sleep(self);
     modbus_mapping_t mapping = {
-        .nb_registers = LX_MAP_END,
-        .nb_input_registers = LX_MAP_END,
+        .nb_registers = DG_IB_COUPLER_END,
+        .nb_input_registers = DG_IB_COUPLER_END,
         .tab_registers = self->registers,
         .tab_input_registers = self->registers,
     };
@@ -194,26 +189,8 @@ static void on_byte(void *ctx, struct lx_peer *peer, dg_ns now, uint8_t byte, si
 static void on_time(void *ctx, dg_ns now)
 {
     struct lx_modbus *self = ctx;
-    lx_ring_time_due(&self->time, now);
-    sleep_until_cycle(self);
-}
-
-void lx_modbus_look(struct lx_modbus *self, dg_ns now)
-{
-    lx_ring_time_to(&self->time, now);
-    sleep_until_cycle(self);
-}
-
-void lx_modbus_stir(struct lx_modbus *self, bool watched, dg_ns now)
-{
-    lx_ring_time_watch(&self->time, watched, now);
-    lx_ring_time_stir(&self->time);
-    sleep_until_cycle(self);
-}
-
-void lx_modbus_unwatch(struct lx_modbus *self)
-{
-    lx_ring_time_unwatch(&self->time);
+    dg_ring_master_due(self->setup.master, now);
+    lx_modbus_sleep(self);
 }
 
 static const struct lx_peers_form form = {
@@ -251,12 +228,8 @@ int lx_modbus_open(struct lx_modbus *self, const struct lx_modbus_setup *setup,
 {
     memset(self, 0, sizeof *self);
     self->setup = *setup;
-    const struct lx_ring_time_setup time = {
-        .map = &self->map, .period = setup->cycle, .drive = setup->drive, .ctx = setup->ctx};
-    lx_ring_time_init(&self->time, &time);
     self->peers.listener = -1;
-    lx_map_init(&self->map, setup->ring);
-    self->map.tear = setup->tear;
+    dg_ib_coupler_init(&self->map, setup->master, setup->tear);
     if (listen_at(self, error) != 0) {
         return -1;
     }

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * A Modbus/TCP bus coupler on the event loop: its clients, its registers, and the cycle of its
- * ring.
+ * A Modbus/TCP bus coupler on the event loop: its clients, and the timer of its ring.
  */
 #ifndef DREHGEBER_LINUX_MODBUS_H
 #define DREHGEBER_LINUX_MODBUS_H
@@ -10,8 +9,8 @@
 #include <modbus/modbus.h>
 #include <systemd/sd-event.h>
 
-#include "modbus_map.h"
-#include "modbus_time.h"
+#include "drehgeber/ring_coupler.h"
+#include "drehgeber/ring_master.h"
 #include "peers.h"
 #include "timer.h"
 
@@ -22,26 +21,22 @@
 struct lx_modbus_setup {
     sd_event *event;
     const struct lx_say *say;
-    const char *where; /**< HOST:PORT[,open]; port 0: any */
-    struct lx_ring *ring;
-    dg_ns cycle; /**< from one cycle of the ring to the next */
-    bool tear;   /**< half of an OUT word may be written */
-    /** A cycle is due at `now`, which may be over: drive the ring. */
-    void (*drive)(void *ctx, dg_ns now);
-    void *ctx;
+    const char *where;             /**< HOST:PORT[,open]; port 0: any */
+    struct dg_ring_master *master; /**< of its ring */
+    bool tear;                     /**< half of an OUT word may be written */
 };
 
 /** A coupler. Not to be moved. */
 struct lx_modbus {
     struct lx_modbus_setup setup;
-    struct lx_map map;
+    struct dg_ib_coupler map;
     struct lx_timer timer;
-    struct lx_ring_time time;
     modbus_t *protocol;
     struct lx_peers_where where;
     struct lx_peers peers;
-    uint64_t requests;              /**< answered */
-    uint16_t registers[LX_MAP_END]; /**< what the protocol reads and writes during a request */
+    uint64_t requests; /**< answered */
+    uint16_t
+        registers[DG_IB_COUPLER_END]; /**< what the protocol reads and writes during a request */
 };
 
 /** Listen, and cycle from the first turn of the loop on. @return 0, or -1 with `error`, then close
@@ -49,14 +44,9 @@ struct lx_modbus {
 int lx_modbus_open(struct lx_modbus *self, const struct lx_modbus_setup *setup,
                    struct lx_error *error);
 
-/** Before anybody but a client of Modbus looks at the ring or does something to it. */
-void lx_modbus_look(struct lx_modbus *self, dg_ns now);
-
-/** Something was done to it at `now`, and it is watched or not from then on. */
-void lx_modbus_stir(struct lx_modbus *self, bool watched, dg_ns now);
-
-/** While drive() runs: the ring is not watched from the next cycle on. */
-void lx_modbus_unwatch(struct lx_modbus *self);
+/** Somebody else has looked at the ring or done something to it, and to its master: sleep until a
+ * cycle does something by itself. */
+void lx_modbus_sleep(struct lx_modbus *self);
 
 /** Close all connections; also after a failed open. */
 void lx_modbus_close(struct lx_modbus *self);

@@ -13,21 +13,6 @@ static struct lx_station *station_at(const struct lx_ring *self, size_t index)
     return self->setup->stations[index];
 }
 
-static struct dg_host_line *line_at(const struct lx_ring *self, size_t index)
-{
-    return dg_host_line_of(station_at(self, index)->host);
-}
-
-struct dg_ib *lx_ring_device(const struct lx_ring *self, size_t index)
-{
-    return line_at(self, index)->device;
-}
-
-const struct dg_ib_model *lx_ring_model(const struct lx_ring *self, size_t index)
-{
-    return line_at(self, index)->settings;
-}
-
 /* --- memories --- */
 
 static bool make_ring_room(struct lx_ring *self)
@@ -56,7 +41,7 @@ static void gather_memories(struct lx_ring *self, size_t first, struct lx_image_
         self->part_of[i] = &parts[store->count++];
         *self->part_of[i] = (struct lx_image_part){
             .stack = &dg_ib_stack,
-            .device = {.model = lx_ring_model(self, i)},
+            .device = {.model = dg_bus_settings(self->bus, i)},
             .place = i,
             .right = "a K1 has at most 65536 steps, one with steps_minus_one at least 2",
         };
@@ -184,7 +169,9 @@ int lx_ring_open(struct lx_ring *self, const struct lx_ring_setup *setup, dg_ns 
     self->count = setup->bus->count;
     self->bus = setup->core;
     self->is = dg_ring_state(self->bus);
-    self->in = dg_engine_wire_of(setup->bus->engine, setup->bus->index)->words.in;
+    const struct dg_ring_master_setup master = {sizeof master, self->bus, self->out, setup->cycle};
+    dg_ring_master_init(&self->master, &master);
+    dg_bus_watch(self->bus, lx_tap_on(self->tap));
     if (!make_ring_room(self)) {
         return lx_fail(error, "no memory for %zu devices", self->count);
     }
@@ -205,16 +192,4 @@ void lx_ring_close(struct lx_ring *self)
     free(self->parts);
     free(self->part_of);
     memset(self, 0, sizeof *self);
-}
-
-bool lx_ring_cycle(struct lx_ring *self, dg_ns now)
-{
-    const struct dg_tap_event event = {
-        .at = now,
-        .kind = DG_TAP_WORDS,
-        .words = {.out = self->out, .count = self->is->words, .identify = self->stopped},
-    };
-    dg_bus_watch(self->bus, self->tap != NULL && lx_tap_on(self->tap));
-    (void)dg_bus_rx(self->bus, &event);
-    return !self->is->dropped;
 }

@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * A ring of INTERBUS encoders with their memories, and the master that drives it: one call, one
- * cycle. What happens in one is the ring's (bus_words.h).
+ * A ring of INTERBUS encoders with their memories, and the master that drives it. What happens in a
+ * cycle is the ring's (bus_words.h), when there is one the master's (ring_master.h).
  */
 #ifndef DREHGEBER_LINUX_MODBUS_RING_H
 #define DREHGEBER_LINUX_MODBUS_RING_H
 
 #include "bus.h"
-#include "drehgeber/bus_words.h"
 #include "drehgeber/interbus.h"
+#include "drehgeber/ring_master.h"
 #include "stacks.h"
 
 /** Words of either image at most. */
@@ -20,6 +20,7 @@ struct lx_ring_setup {
     const struct lx_bus_setup *bus; /**< its devices, in ring order */
     struct dg_bus *core;            /**< the library's */
     const struct lx_tap *tap;       /**< who looks at the wire */
+    dg_ns cycle;                    /**< dg_ring_master_setup.period */
     /** As in lx_image_setup: IN words may be held back no longer, from the next cycle on. */
     void (*settled)(void *ctx, dg_ns now);
     void *ctx;
@@ -45,8 +46,7 @@ struct lx_ring {
     const struct lx_tap *tap;
     struct dg_bus *bus;
     const struct dg_ring_state *is;
-    const uint16_t *in;
-    bool stopped; /**< ID cycles only */
+    struct dg_ring_master master;
     uint16_t out[LX_RING_WORDS_MAX];
 };
 
@@ -59,13 +59,5 @@ int lx_ring_open(struct lx_ring *self, const struct lx_ring_setup *setup, dg_ns 
 
 /** Switch everything off; also after a failed open, or when all is zero. */
 void lx_ring_close(struct lx_ring *self);
-
-/** The device at a place, and its figures. */
-struct dg_ib *lx_ring_device(const struct lx_ring *self, size_t index);
-const struct dg_ib_model *lx_ring_model(const struct lx_ring *self, size_t index);
-
-/** A data cycle with the images, or an ID cycle where one is called for. @return false: a fault let
- * it not take place */
-bool lx_ring_cycle(struct lx_ring *self, dg_ns now);
 
 #endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A ring of INTERBUS encoders behind a Modbus/TCP coupler, as a bus. Somebody who listens, and
- * faults of the wire, want every cycle at its moment; else they are run when they are needed.
+ * A ring of INTERBUS encoders behind a Modbus/TCP coupler, as a bus. Its master is the library's.
  */
 #define _GNU_SOURCE
 #include <stdio.h>
@@ -22,7 +21,6 @@ struct ring_bus {
     struct lx_modbus coupler;
     bool coupled;                 /* the coupler was opened */
     struct lx_ring_silkit silkit; /* driven: there is none, a simulation lets it cycle */
-    bool bent;                    /* wire faults may be active at a station */
 };
 
 static struct ring_bus *ring_of(struct lx_bus *bus)
@@ -30,39 +28,14 @@ static struct ring_bus *ring_of(struct lx_bus *bus)
     return (struct ring_bus *)bus;
 }
 
-/* A fault may have happened as often as it was to, which nobody hears of. */
-static void straighten_ring(struct ring_bus *self)
-{
-    if (!self->bent || lx_bus_is_bent(&self->bus)) {
-        return;
-    }
-    self->bent = false;
-    if (self->coupled && !lx_tap_on(&self->bus.tap)) {
-        lx_modbus_unwatch(&self->coupler);
-    }
-}
-
-static bool drive_once(void *ctx, dg_ns now)
-{
-    struct ring_bus *self = ctx;
-    self->bus.late = self->coupled ? self->coupler.map.missed : 0;
-    const bool took_place = lx_ring_cycle(&self->ring, now);
-    straighten_ring(self);
-    return took_place;
-}
-
-static void drive(void *ctx, dg_ns now)
-{
-    (void)drive_once(ctx, now);
-}
-
 /* --- the operations --- */
 
-/* Whoever watches wants each cycle. In a simulation there is nothing but that. */
+/* Whoever listens wants each cycle. In a simulation there is nothing but that. */
 static void wake_ring(struct ring_bus *self, dg_ns now)
 {
+    dg_ring_master_changed(&self->ring.master, lx_tap_on(&self->bus.tap), now);
     if (self->coupled) {
-        lx_modbus_stir(&self->coupler, self->bent || lx_tap_on(&self->bus.tap), now);
+        lx_modbus_sleep(&self->coupler);
     }
 }
 
@@ -75,24 +48,18 @@ static void on_settled(void *ctx, dg_ns now)
 static int open_ring_topics(struct ring_bus *self, struct lx_error *error)
 {
     self->silkit.ring = &self->ring;
-    self->silkit.drive = drive_once;
-    self->silkit.ctx = self;
     return lx_ring_silkit_open(&self->silkit, &self->bus.setup, error);
 }
 
 static int open_coupler(struct ring_bus *self, struct lx_error *error)
 {
     const struct lx_bus_setup *setup = &self->bus.setup;
-    const struct dg_plan_ring *ring = &dg_engine_wire_of(setup->engine, setup->index)->line.ring;
     const struct lx_modbus_setup coupler = {
         .event = setup->event,
         .say = setup->say,
         .where = setup->wire->where,
-        .ring = &self->ring,
-        .cycle = DG_US(ring->cycle_us),
-        .tear = ring->tear,
-        .drive = drive,
-        .ctx = self,
+        .master = &self->ring.master,
+        .tear = dg_engine_wire_of(setup->engine, setup->index)->line.ring.tear,
     };
     self->coupled = true;
     return lx_modbus_open(&self->coupler, &coupler, error);
@@ -118,6 +85,7 @@ static int open_bus(struct lx_bus *bus, dg_ns now, struct lx_error *error)
         .bus = setup,
         .core = bus->core,
         .tap = &bus->tap,
+        .cycle = DG_US(dg_engine_wire_of(setup->engine, setup->index)->line.ring.cycle_us),
         .settled = on_settled,
         .ctx = self,
     };
@@ -142,8 +110,11 @@ static void address(const struct lx_bus *bus, const struct lx_station *station, 
 
 static void look(struct lx_bus *bus, dg_ns now)
 {
-    if (ring_of(bus)->coupled) {
-        lx_modbus_look(&ring_of(bus)->coupler, now);
+    struct ring_bus *self = ring_of(bus);
+    dg_ring_master_to(&self->ring.master, now);
+    bus->late = self->ring.master.missed;
+    if (self->coupled) {
+        lx_modbus_sleep(&self->coupler);
     }
 }
 
@@ -151,8 +122,8 @@ static void look(struct lx_bus *bus, dg_ns now)
 static void changed(struct lx_bus *bus, struct lx_station *station, dg_ns now)
 {
     struct ring_bus *self = ring_of(bus);
+    dg_bus_watch(bus->core, lx_tap_on(&bus->tap));
     look(bus, now); /* what is over was not bent by what comes now */
-    self->bent = lx_bus_is_bent(bus);
     if (station != NULL) {
         (void)dg_bus_changed(bus->core, station->place, now);
     }

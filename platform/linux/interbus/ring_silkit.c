@@ -26,12 +26,13 @@ static void step(void *ctx, dg_ns now)
 {
     struct lx_ring_silkit *self = ctx;
     const struct lx_ring *ring = self->ring;
+    const uint16_t *in = dg_ring_master_in(&ring->master);
     uint8_t message[AHEAD + WORD * LX_RING_WORDS_MAX];
-    const bool took_place = self->drive(self->ctx, now);
+    const bool took_place = dg_ring_master_cycle(&self->ring->master, now);
     dg_store_le16(message, took_place ? (uint16_t)ring->is->result : LEFT_OUT);
     dg_store_le16(message + WORD, ring->is->reached);
     for (size_t i = 0; i < ring->is->words; i++) {
-        dg_store_le16(message + AHEAD + WORD * i, ring->in[i]);
+        dg_store_le16(message + AHEAD + WORD * i, in[i]);
     }
     lx_silkit_publish(&self->in, message, AHEAD + (size_t)WORD * ring->is->words);
 }

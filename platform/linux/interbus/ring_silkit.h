@@ -18,13 +18,10 @@ struct lx_ring_silkit {
     struct lx_ring *ring;
     struct lx_silkit_port out;
     struct lx_silkit_port in;
-    /** One cycle. @return whether it took place */
-    bool (*drive)(void *ctx, dg_ns now);
-    void *ctx;
     struct lx_silkit_where where;
 };
 
-/** Make them, once the ring is there; self->ring, drive and ctx are set.
+/** Make them, once the ring is there; self->ring is set.
  * @return 0, or -1 with one line in `error` */
 int lx_ring_silkit_open(struct lx_ring_silkit *self, const struct lx_bus_setup *setup,
                         struct lx_error *error);

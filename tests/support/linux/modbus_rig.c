@@ -67,7 +67,8 @@ int modbus_rig_open(struct modbus_rig *self, dg_angle (*angle)(void *ctx, dg_ns 
         world->stands = NULL;
     }
     const struct lx_bus *bus = self->engine.wires[0].bus;
-    const struct lx_ring_setup ring = {.bus = &bus->setup, .core = bus->core, .tap = &bus->tap};
+    const struct lx_ring_setup ring = {
+        .bus = &bus->setup, .core = bus->core, .tap = &bus->tap, .cycle = DG_S(3600)};
     return lx_ring_open(&self->ring, &ring, now, error);
 }
 

@@ -69,6 +69,11 @@ static int open_ring(struct bench *self)
     return modbus_rig_open(&self->rig, NULL, NULL, 0, &self->error);
 }
 
+static const struct dg_ib *device(const struct bench *self, size_t place)
+{
+    return dg_bus_device(self->ring->bus, place);
+}
+
 static size_t read_file(struct bench *self, uint8_t *bytes)
 {
     FILE *file = fopen(self->path, "r");
@@ -124,10 +129,9 @@ static void images_are_moved_apart(void **state)
         assert_int_equal(chmod(self->path, 0640), 0);
         for (int round = 0; round < 2; round++) {
             assert_int_equal(open_ring(self), 0);
-            assert_int_equal(lx_ring_device(self->ring, 0)->shift, 0x11);
-            assert_int_equal(lx_ring_device(self->ring, 2)->shift, 0x22);
-            assert_int_equal(
-                lx_ring_device(self->ring, 0)->lost | lx_ring_device(self->ring, 2)->lost, 0);
+            assert_int_equal(device(self, 0)->shift, 0x11);
+            assert_int_equal(device(self, 2)->shift, 0x22);
+            assert_int_equal(device(self, 0)->lost | device(self, 2)->lost, 0);
             modbus_rig_close(&self->rig);
             assert_int_equal(stat(self->path, &info), 0);
             assert_int_equal(info.st_size, 2 * dg_store_size(&dg_ib_layout));

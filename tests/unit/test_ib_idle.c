@@ -1,28 +1,27 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Two couplers with the same ring and the same fate: one runs every cycle at its moment, the other
- * one as lx_ring_time does. Random clients, faults, worlds and power; whoever looks sees the same,
+ * one as dg_ring_master does. Random clients, faults, worlds and power; whoever looks sees the same,
  * and what the one has stored at any time, the other one has, too.
  */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include <cmocka.h>
 
-#include "drehgeber/devices.h"
+#include "drehgeber/ring_coupler.h"
+#include "drehgeber/ring_master.h"
 #include "effort.h"
-#include "modbus_rig.h"
-#include "modbus_time.h"
+#include "ring_rig.h"
 
 #define START DG_S(1)
 #define DEVICES 3u
 #define K3 1u /* the words 1 and 2 */
 #define OUT_AT 0x0801u
+#define MEMORY_MAX 4096u
 
 /* A shaft that turns steadily. */
 struct shaft {
@@ -31,17 +30,16 @@ struct shaft {
 };
 
 struct side {
+    struct ring_rig rig; /* first: dg_bus_ops have it */
     struct shaft shaft;
-    struct modbus_rig rig;
-    struct lx_ring *ring;
-    struct lx_map map;
+    struct dg_ring_master master;
+    struct dg_ib_coupler coupler;
     uint64_t runs;
 };
 
 static struct side lazy;
 static struct side eager;
 static struct side *const sides[] = {&eager, &lazy};
-static struct lx_ring_time lazy_time;
 static dg_ns eager_next;
 static dg_ns period;
 static dg_ns now;
@@ -65,25 +63,32 @@ static dg_angle angle(void *ctx, dg_ns at)
     return (dg_angle)((uint64_t)self->angle + (uint64_t)self->per_us * (at / 1000u));
 }
 
-static void drive(void *ctx, dg_ns at)
+static void count_run(void *ctx, const struct dg_tap_event *event)
 {
     struct side *self = ctx;
-    self->runs++;
-    (void)lx_ring_cycle(self->ring, at);
+    self->runs += event->kind == DG_TAP_WORDS ? 1u : 0u;
 }
 
 /* --- both sides --- */
 
-static void open_side(struct side *self)
+static void open_side(struct side *self, dg_ns every)
 {
-    static const struct dg_device *const models[DEVICES] = {&dg_ocd_ib_k1, &dg_ocd_ib_k3,
-                                                            &dg_ocd_ib_k2};
-    struct lx_error error;
+    static const char *const models[DEVICES] = {"ocd-ib-k1", "ocd-ib-k3", "ocd-ib-k2"};
     memset(self, 0, sizeof *self);
-    modbus_rig_plan(&self->rig, models, DEVICES);
-    self->ring = &self->rig.ring;
-    assert_int_equal(modbus_rig_open(&self->rig, angle, &self->shaft, START, &error), 0);
-    lx_map_init(&self->map, self->ring);
+    ring_rig_init(&self->rig);
+    self->rig.wire.identifies = true;
+    self->rig.ops.tap = count_run;
+    self->rig.now = START;
+    for (size_t i = 0; i < DEVICES; i++) {
+        struct dg_world *world = dg_host_world(ring_rig_add(&self->rig, models[i]));
+        world->angle = angle;
+        world->angle_ctx = &self->shaft;
+        world->stands = NULL;
+    }
+    ring_rig_open(&self->rig);
+    const struct dg_ring_master_setup setup = {sizeof setup, self->rig.bus, self->rig.out, every};
+    dg_ring_master_init(&self->master, &setup);
+    dg_ib_coupler_init(&self->coupler, &self->master, false);
 }
 
 static void open_both(uint32_t seed)
@@ -93,19 +98,16 @@ static void open_both(uint32_t seed)
     now = START;
     period = periods[next() % (DG_COUNT(periods))];
     broken = false;
-    open_side(&eager);
-    open_side(&lazy);
-    const struct lx_ring_time_setup setup = {&lazy.map, period, drive, &lazy};
-    lx_ring_time_init(&lazy_time, &setup);
-    assert_int_equal(lx_ring_time_next(&lazy_time), 0);
-    lx_ring_time_due(&lazy_time, now);
+    open_side(&eager, 0);
+    open_side(&lazy, period);
+    assert_int_equal(dg_ring_master_next(&lazy.master), 0);
+    dg_ring_master_due(&lazy.master, now);
     eager_next = now;
 }
 
-static void close_both(void)
+static const struct dg_ib *device_of(const struct side *self, size_t place)
 {
-    modbus_rig_close(&eager.rig);
-    modbus_rig_close(&lazy.rig);
+    return ring_rig_device(&self->rig, place);
 }
 
 /* --- time --- */
@@ -113,23 +115,20 @@ static void close_both(void)
 static void run_eager(void)
 {
     for (; eager_next <= now; eager_next += period) {
-        lx_map_tick(&eager.map, eager_next);
-        drive(&eager, eager_next);
+        (void)dg_ring_master_cycle(&eager.master, eager_next);
     }
-}
-
-static const struct lx_nvm_memory *memory_of(const struct side *self)
-{
-    return &self->ring->part_of[K3]->image->memory;
 }
 
 /* What would be there after the processes have died. */
 static void check_stored(void)
 {
-    const struct lx_nvm_memory *is = memory_of(&lazy);
-    const struct lx_nvm_memory *wanted = memory_of(&eager);
-    assert_int_equal(is->size, wanted->size);
-    assert_memory_equal(is->bytes, wanted->bytes, wanted->size);
+    uint8_t is[MEMORY_MAX];
+    uint8_t wanted[MEMORY_MAX];
+    const size_t n = dg_host_memory_size(eager.rig.encoders[K3]);
+    assert_in_range(n, 1, MEMORY_MAX);
+    assert_int_equal(dg_host_memory_copy(lazy.rig.encoders[K3], is, n), DG_HOST_OK);
+    assert_int_equal(dg_host_memory_copy(eager.rig.encoders[K3], wanted, n), DG_HOST_OK);
+    assert_memory_equal(is, wanted, n);
 }
 
 /* Time goes on; the lazy one is woken when it wants to be, unless the loop is busy. */
@@ -138,8 +137,8 @@ static void pass(dg_ns span)
     const bool busy = one_in(8);
     now += span;
     run_eager();
-    while (!busy && lx_ring_time_next(&lazy_time) <= now) {
-        lx_ring_time_due(&lazy_time, lx_ring_time_next(&lazy_time));
+    while (!busy && dg_ring_master_next(&lazy.master) <= now) {
+        dg_ring_master_due(&lazy.master, dg_ring_master_next(&lazy.master));
     }
     if (!busy) {
         check_stored();
@@ -178,27 +177,28 @@ static void check_device(const struct dg_ib *is, const struct dg_ib *wanted)
     assert_int_equal(dg_ib_position(is, now), dg_ib_position(wanted, now));
 }
 
-static void check_registers(struct lx_range range)
+static void check_registers(struct dg_ib_registers range)
 {
     uint16_t is[64];
     uint16_t wanted[64];
-    lx_map_read(&lazy.map, range, is);
-    lx_map_read(&eager.map, range, wanted);
+    dg_ib_coupler_read(&lazy.coupler, range, is);
+    dg_ib_coupler_read(&eager.coupler, range, wanted);
     assert_memory_equal(is, wanted, range.count * sizeof is[0]);
 }
 
 static void look(void)
 {
-    const struct lx_ring *is = lazy.ring;
-    const struct lx_ring *wanted = eager.ring;
-    lx_ring_time_to(&lazy_time, now);
-    SAME(stopped), SAME(is->result), SAME(is->reached);
-    assert_memory_equal(&is->is->counters, &wanted->is->counters, sizeof wanted->is->counters);
-    assert_memory_equal(is->in, wanted->in, sizeof wanted->in);
-    assert_memory_equal(is->out, wanted->out, sizeof wanted->out);
+    const struct dg_ring_state *is = dg_ring_state(lazy.rig.bus);
+    const struct dg_ring_state *wanted = dg_ring_state(eager.rig.bus);
+    dg_ring_master_to(&lazy.master, now);
+    assert_int_equal(lazy.master.stopped, eager.master.stopped);
+    SAME(result), SAME(reached);
+    assert_memory_equal(&is->counters, &wanted->counters, sizeof wanted->counters);
+    assert_memory_equal(lazy.rig.in, eager.rig.in, sizeof eager.rig.in);
+    assert_memory_equal(lazy.rig.out, eager.rig.out, sizeof eager.rig.out);
     for (size_t i = 0; i < DEVICES; i++) {
-        assert_int_equal(dg_ring_id_word(is->bus, i), dg_ring_id_word(wanted->bus, i));
-        check_device(lx_ring_device(is, i), lx_ring_device(wanted, i));
+        assert_int_equal(dg_ring_id_word(lazy.rig.bus, i), dg_ring_id_word(eager.rig.bus, i));
+        check_device(device_of(&lazy, i), device_of(&eager, i));
     }
     check_stored();
 }
@@ -207,23 +207,21 @@ static void look(void)
 
 static void read_by_a_client(void)
 {
-    static const struct lx_range ranges[] = {{0x0000, 5}, {0x0800, 5}, {0x100C, 1}, {0x1014, 2},
-                                             {0x1020, 1}, {0x1120, 4}, {0x2000, 48}};
-    lx_ring_time_to(&lazy_time, now);
+    static const struct dg_ib_registers ranges[] = {
+        {0x0000, 5}, {0x0800, 5}, {0x100C, 1}, {0x1014, 2}, {0x1020, 1}, {0x1120, 4}, {0x2000, 48}};
     for (size_t i = 0; i < 2; i++) {
-        lx_map_request(&sides[i]->map, now);
+        dg_ib_coupler_request(&sides[i]->coupler, now);
     }
     check_registers(ranges[next() % (DG_COUNT(ranges))]);
 }
 
 static void write_by_a_client(uint16_t first, const uint16_t *values, uint16_t count)
 {
-    lx_ring_time_to(&lazy_time, now);
     for (size_t i = 0; i < 2; i++) {
-        lx_map_request(&sides[i]->map, now);
-        assert_true(lx_map_write(&sides[i]->map, (struct lx_range){first, count}, values));
+        dg_ib_coupler_request(&sides[i]->coupler, now);
+        assert_true(dg_ib_coupler_write(&sides[i]->coupler, (struct dg_ib_registers){first, count},
+                                        values));
     }
-    lx_ring_time_stir(&lazy_time);
 }
 
 static void write_out(void)
@@ -257,10 +255,10 @@ static void change_world(void)
 {
     const uint32_t how = next();
     const uint32_t where = next();
-    lx_ring_time_to(&lazy_time, now);
+    dg_ring_master_to(&lazy.master, now);
     for (size_t i = 0; i < 2; i++) {
         for (size_t n = 0; n < DEVICES; n++) {
-            struct dg_world *world = dg_host_world(sides[i]->ring->setup->stations[n]->host);
+            struct dg_world *world = ring_rig_world(&sides[i]->rig, n);
             world->singleturn_ok = how % 4u != 0;
             world->multiturn_sync_ok = how / 4u % 8u != 0;
             world->eeprom_acknowledges = how / 32u % 8u != 0;
@@ -269,20 +267,19 @@ static void change_world(void)
         sides[i]->shaft.per_us = how / 256u % 3u == 0 ? 0 : (int64_t)(where % 2000000u) - 1000000;
         sides[i]->shaft.angle = (dg_angle)((uint64_t)where << 24);
     }
-    lx_ring_time_stir(&lazy_time);
+    dg_ring_master_stir(&lazy.master);
 }
 
 static void switch_power(void)
 {
     const uint32_t which = next() % DEVICES;
     const bool on = !one_in(3);
-    lx_ring_time_to(&lazy_time, now);
+    dg_ring_master_to(&lazy.master, now);
     for (size_t i = 0; i < 2; i++) {
-        assert_int_equal(dg_host_power(sides[i]->rig.engine.stations[which].host, now, on),
-                         DG_HOST_OK);
-        (void)dg_bus_changed(sides[i]->ring->bus, which, now);
+        sides[i]->rig.now = now;
+        ring_rig_power(&sides[i]->rig, which, on);
     }
-    lx_ring_time_stir(&lazy_time);
+    dg_ring_master_stir(&lazy.master);
 }
 
 static void hurt_ring(void)
@@ -290,40 +287,63 @@ static void hurt_ring(void)
     const uint16_t where = (uint16_t)(next() % DEVICES);
     const bool corrupt = one_in(2);
     broken = !broken;
-    lx_ring_time_to(&lazy_time, now);
+    dg_ring_master_to(&lazy.master, now);
     for (size_t i = 0; i < 2; i++) {
-        struct lx_ring *ring = sides[i]->ring;
-        dg_ring_cut(ring->bus, broken && !corrupt ? where : DG_RING_WHOLE);
+        struct dg_bus *bus = sides[i]->rig.bus;
+        dg_ring_cut(bus, broken && !corrupt ? where : DG_RING_WHOLE);
         if (corrupt) {
-            dg_ring_spoil(ring->bus, where);
+            dg_ring_spoil(bus, where);
         }
-        lx_ring_device(ring, where)->reconfigure = true;
+        ((struct dg_ib *)dg_bus_device(bus, where))->reconfigure = true;
     }
-    lx_ring_time_stir(&lazy_time);
+    dg_ring_master_stir(&lazy.master);
+}
+
+/* A wire fault takes cycles away, and comes to its end by itself or is taken away. */
+static void bend_ring(void)
+{
+    const uint32_t which = next() % DEVICES;
+    const enum dg_wire_fault fault = one_in(2) ? DG_WIRE_DROP : DG_WIRE_DAMAGE;
+    dg_ring_master_to(&lazy.master, now);
+    for (size_t i = 0; i < 2; i++) {
+        sides[i]->rig.now = now;
+        ring_rig_bend(&sides[i]->rig, which, fault, 5);
+    }
+    dg_ring_master_changed(&lazy.master, false, now);
+    for (int i = 0; i < 20; i++) {
+        assert_true(!lazy.master.bent || dg_ring_master_next(&lazy.master) == eager_next);
+        now = eager_next;
+        run_eager();
+        dg_ring_master_due(&lazy.master, now);
+        look();
+    }
+    for (size_t i = 0; i < 2; i++) {
+        ring_rig_mend(&sides[i]->rig, which, fault);
+    }
+    dg_ring_master_changed(&lazy.master, false, now);
+    assert_false(lazy.master.bent);
 }
 
 /* Watched, it is run in real time: here it is never late. */
 static void watch(void)
 {
-    lx_ring_time_watch(&lazy_time, !lazy_time.watched, now);
-    if (lazy_time.watched) {
-        assert_int_equal(lx_ring_time_next(&lazy_time), eager_next);
-        for (int i = 0; i < 20; i++) {
-            now = eager_next;
-            run_eager();
-            lx_ring_time_due(&lazy_time, now);
-            look();
-        }
-        lx_ring_time_watch(&lazy_time, false, now);
+    dg_ring_master_changed(&lazy.master, true, now);
+    assert_int_equal(dg_ring_master_next(&lazy.master), eager_next);
+    for (int i = 0; i < 20; i++) {
+        now = eager_next;
+        run_eager();
+        dg_ring_master_due(&lazy.master, now);
+        look();
     }
+    dg_ring_master_changed(&lazy.master, false, now);
 }
 
 static void fates(uint32_t seed)
 {
     static void (*const happenings[])(void) = {
-        look,      look,      read_by_a_client, read_by_a_client, write_out,    write_out,
-        write_out, write_out, write_out,        write_watchdog,   change_world, switch_power,
-        hurt_ring, watch,
+        look,         look,         read_by_a_client, read_by_a_client, write_out,
+        write_out,    write_out,    write_out,        write_out,        write_watchdog,
+        change_world, switch_power, hurt_ring,        bend_ring,        watch,
     };
     open_both(seed);
     for (int i = 0; i < 300; i++) {
@@ -332,7 +352,6 @@ static void fates(uint32_t seed)
     }
     pass(DG_S(1));
     look();
-    close_both();
 }
 
 static void lazy_and_eager_agree(void **state)
@@ -349,52 +368,55 @@ static void a_day_alone(void **state)
 {
     (void)state;
     open_both(4711);
-    lx_ring_time_to(&lazy_time, now + DG_S(1));
+    dg_ring_master_to(&lazy.master, now + DG_S(1));
     const uint64_t before = lazy.runs;
-    while (lx_ring_time_next(&lazy_time) <= START + DG_S(86400)) {
-        lx_ring_time_due(&lazy_time, lx_ring_time_next(&lazy_time));
+    while (dg_ring_master_next(&lazy.master) <= START + DG_S(86400)) {
+        dg_ring_master_due(&lazy.master, dg_ring_master_next(&lazy.master));
     }
     assert_true(lazy.runs - before <= 3u * 144u);
-    assert_int_equal(lx_ring_device(lazy.ring, K3)->time_10min, 144);
-    lx_ring_time_to(&lazy_time, START + DG_S(86400));
+    assert_int_equal(device_of(&lazy, K3)->time_10min, 144);
+    dg_ring_master_to(&lazy.master, START + DG_S(86400));
     const uint64_t cycles = DG_S(86400) / period; /* the first one was an ID cycle, too */
-    assert_int_equal(lazy.ring->is->counters.cycles, (uint32_t)(cycles + 1u));
-    assert_int_equal(lx_ring_device(lazy.ring, K3)->counters.cycles, (uint32_t)cycles);
-    close_both();
+    assert_int_equal(dg_ring_state(lazy.rig.bus)->counters.cycles, (uint32_t)(cycles + 1u));
+    assert_int_equal(device_of(&lazy, K3)->counters.cycles, (uint32_t)cycles);
+}
+
+static void write_register(uint16_t address, uint16_t value)
+{
+    assert_true(dg_ib_coupler_write(&lazy.coupler, (struct dg_ib_registers){address, 1}, &value));
 }
 
 /* K1 and K2 store nothing: nothing wakes them. A watchdog does, once. */
 static void what_wakes_a_ring(void **state)
 {
     const uint16_t ms = 100;
-    const uint16_t stop = LX_FALLBACK_STOP;
+    const uint16_t stop = DG_RING_FALLBACK_STOP;
     (void)state;
     open_both(1);
     period = DG_MS(1);
-    lazy_time.setup.period = period;
-    lazy_time.next = START + period;
+    lazy.master.setup.period = period;
+    lazy.master.next = START + period;
     now = START + DG_S(1);
-    lx_ring_time_to(&lazy_time, now);
-    assert_int_equal(lx_ring_time_next(&lazy_time), START + DG_S(600));
-    struct dg_ib_model *model = dg_host_line_of(lazy.rig.engine.stations[K3].host)->settings;
+    dg_ring_master_to(&lazy.master, now);
+    assert_int_equal(dg_ring_master_next(&lazy.master), START + DG_S(600));
+    struct dg_ib_model *model = dg_host_line_of(lazy.rig.encoders[K3])->settings;
     model->profile = DG_IB_K2;
-    assert_true(lx_ring_time_next(&lazy_time) == DG_NEVER);
+    assert_true(dg_ring_master_next(&lazy.master) == DG_NEVER);
     model->profile = DG_IB_K3;
-    lx_map_request(&lazy.map, now);
-    assert_true(lx_map_write(&lazy.map, (struct lx_range){0x1120, 1}, &ms));
-    assert_true(lx_map_write(&lazy.map, (struct lx_range){0x1123, 1}, &stop));
-    assert_true(lx_map_write(&lazy.map, (struct lx_range){OUT_AT, 2}, (const uint16_t[]){0, 0}));
-    lx_ring_time_stir(&lazy_time);
-    assert_int_equal(lx_ring_time_next(&lazy_time), now + DG_MS(1));
-    lx_ring_time_due(&lazy_time, now + DG_MS(1));
+    dg_ib_coupler_request(&lazy.coupler, now);
+    write_register(0x1120, ms);
+    write_register(0x1123, stop);
+    assert_true(dg_ib_coupler_write(&lazy.coupler, (struct dg_ib_registers){OUT_AT, 2},
+                                    (const uint16_t[]){0, 0}));
+    assert_int_equal(dg_ring_master_next(&lazy.master), now + DG_MS(1));
+    dg_ring_master_due(&lazy.master, now + DG_MS(1));
     /* It fires in the first cycle that comes later than its time. */
-    assert_int_equal(lx_ring_time_next(&lazy_time), now + DG_MS(101));
-    lx_ring_time_due(&lazy_time, now + DG_MS(100));
-    assert_false(lazy.map.watchdog.fired);
-    lx_ring_time_due(&lazy_time, now + DG_MS(101));
-    assert_true(lazy.map.watchdog.fired);
-    assert_true(lx_ring_time_next(&lazy_time) == DG_NEVER); /* ID cycles only */
-    close_both();
+    assert_int_equal(dg_ring_master_next(&lazy.master), now + DG_MS(101));
+    dg_ring_master_due(&lazy.master, now + DG_MS(100));
+    assert_false(lazy.master.watchdog.fired);
+    dg_ring_master_due(&lazy.master, now + DG_MS(101));
+    assert_true(lazy.master.watchdog.fired);
+    assert_true(dg_ring_master_next(&lazy.master) == DG_NEVER); /* ID cycles only */
 }
 
 /* Late, a watched ring leaves cycles out and counts them; one that is not is never late. */
@@ -402,23 +424,22 @@ static void late(void **state)
 {
     (void)state;
     open_both(2);
-    lx_ring_time_to(&lazy_time, START + 10u * period);
-    assert_int_equal(lazy.map.missed, 0);
-    lx_ring_time_watch(&lazy_time, true, START + 10u * period);
+    dg_ring_master_to(&lazy.master, START + 10u * period);
+    assert_int_equal(lazy.master.missed, 0);
+    dg_ring_master_changed(&lazy.master, true, START + 10u * period);
     const uint64_t before = lazy.runs;
-    lx_ring_time_due(&lazy_time, START + 14u * period + 1u);
-    assert_int_equal(lazy.map.missed, 3);
+    dg_ring_master_due(&lazy.master, START + 14u * period + 1u);
+    assert_int_equal(lazy.master.missed, 3);
     assert_int_equal(lazy.runs - before, 1);
-    assert_int_equal(lx_ring_time_next(&lazy_time), START + 15u * period);
-    lx_ring_time_to(&lazy_time, START + 20u * period); /* only when it is due */
+    assert_int_equal(dg_ring_master_next(&lazy.master), START + 15u * period);
+    dg_ring_master_to(&lazy.master, START + 20u * period); /* only when it is due */
     assert_int_equal(lazy.runs - before, 1);
-    lx_ring_time_due(&lazy_time, START + 15u * period - 1u); /* too soon */
+    dg_ring_master_due(&lazy.master, START + 15u * period - 1u); /* too soon */
     assert_int_equal(lazy.runs - before, 1);
-    lx_ring_time_watch(&lazy_time, false, START + 15u * period);
-    lx_ring_time_to(&lazy_time, START + 1000u * period);
-    assert_int_equal(lazy.map.missed, 3);
-    assert_int_equal(lazy.ring->is->counters.cycles, 1001u - 3u);
-    close_both();
+    dg_ring_master_changed(&lazy.master, false, START + 15u * period);
+    dg_ring_master_to(&lazy.master, START + 1000u * period);
+    assert_int_equal(lazy.master.missed, 3);
+    assert_int_equal(dg_ring_state(lazy.rig.bus)->counters.cycles, 1001u - 3u);
 }
 
 int main(void)
