@@ -37,6 +37,7 @@
 #include "drehgeber/motion.h"
 #include "drehgeber/protocols.h"
 #include "drehgeber/quantity.h"
+#include "drehgeber/rfc2217.h"
 #include "drehgeber/rig.h"
 #include "drehgeber/rig_engine.h"
 #include "drehgeber/ring_coupler.h"

@@ -9,8 +9,9 @@
 #include <string.h>
 
 #include "drehgeber/bits.h"
+#include "drehgeber/bus_characters.h"
+#include "drehgeber/rfc2217.h"
 #include "fuzz_input.h"
-#include "rfc2217.h"
 
 #define IAC 255u
 #define SE 240u
@@ -21,10 +22,10 @@
 #define DONT 254u
 #define COM_PORT 44u
 
-static const struct lx_uart found = {.baud = 9600, .parity = 'E'};
+static const struct dg_rfc2217_uart found = {.baud = 9600, .parity = 'E'};
 
 /* What the client was told, with the setting that is in force. */
-static void check_told(const struct lx_rfc2217 *self, uint8_t code, const uint8_t *value, size_t n)
+static void check_told(const struct dg_rfc2217 *self, uint8_t code, const uint8_t *value, size_t n)
 {
     static const char parities[] = "?NOEMS";
 
@@ -50,9 +51,9 @@ static void check_told(const struct lx_rfc2217 *self, uint8_t code, const uint8_
 }
 
 /* @return bytes of the command behind IAC SB */
-static size_t check_command(const struct lx_rfc2217 *self, const uint8_t *text, size_t n)
+static size_t check_command(const struct dg_rfc2217 *self, const uint8_t *text, size_t n)
 {
-    uint8_t value[LX_RFC2217_ANSWER_MAX];
+    uint8_t value[DG_RFC2217_ANSWER_MAX];
     size_t length = 0;
     size_t at = 2;
 
@@ -67,7 +68,7 @@ static size_t check_command(const struct lx_rfc2217 *self, const uint8_t *text, 
     return at + 2u;
 }
 
-static void check_answer(const struct lx_rfc2217 *self, const struct lx_rfc2217_event *event)
+static void check_answer(const struct dg_rfc2217 *self, const struct dg_rfc2217_event *event)
 {
     size_t at = 0;
 
@@ -80,40 +81,44 @@ static void check_answer(const struct lx_rfc2217 *self, const struct lx_rfc2217_
     }
 }
 
-static void check_setting(const struct lx_rfc2217 *self)
+static void check_setting(const struct dg_rfc2217 *self)
 {
     fuzz_must(self->baud == 0 ||
-              (self->baud >= LX_RFC2217_BAUD_MIN && self->baud <= LX_RFC2217_BAUD_MAX));
+              (self->baud >= DG_RFC2217_BAUD_MIN && self->baud <= DG_RFC2217_BAUD_MAX));
     fuzz_must(self->parity == 0 || strchr("NOEMS", self->parity) != NULL);
     fuzz_must(self->data_bits == 0 || (self->data_bits >= 5 && self->data_bits <= 8));
     fuzz_must(self->stop_bits <= 3);
 }
 
 /* The client reads what is printed as that character. */
-static void check_print(const struct lx_rfc2217 *self, uint8_t character)
+static void check_print(const struct dg_rfc2217 *self, uint8_t character)
 {
-    uint8_t text[LX_RFC2217_TEXT_MAX];
-    const size_t n = lx_rfc2217_print(self, character, LX_RFC2217_PARITY, text);
-    const size_t state = (self->line_mask & LX_RFC2217_PARITY) != 0 ? 7 : 0;
+    uint8_t text[DG_RFC2217_TEXT_MAX];
+    const struct dg_rfc2217_sound sound = {{DG_BAUD_ANY, 0}, character, DG_RFC2217_PARITY};
+    const size_t n = dg_rfc2217_print(self, &sound, text);
+    const size_t state = (self->line_mask & DG_RFC2217_PARITY) != 0 ? 7 : 0;
+    if (self->data_bits != 0) {
+        character &= (uint8_t)((1u << self->data_bits) - 1u);
+    }
 
     fuzz_must(n == state + (character == IAC ? 2u : 1u) && text[n - 1u] == character);
 }
 
 /* A client that repeats itself is not answered: the other side might do that for ever. */
-static void check_quiet(const struct lx_rfc2217 *self)
+static void check_quiet(const struct dg_rfc2217 *self)
 {
     static const uint8_t known[] = {0, 3, COM_PORT};
 
     for (size_t i = 0; i < sizeof known; i++) {
         for (size_t side = 0; side < 2; side++) {
-            struct lx_rfc2217 other = *self;
-            struct lx_rfc2217_event event;
+            struct dg_rfc2217 other = *self;
+            struct dg_rfc2217_event event;
             const bool on = (self->enabled[side] >> i & 1u) != 0;
             const uint8_t text[] = {
                 IAC, (uint8_t)(side == 0 ? (on ? WILL : WONT) : (on ? DO : DONT)), known[i]};
             for (size_t k = 0; k < sizeof text; k++) {
-                lx_rfc2217_feed(&other, &found, text[k], &event);
-                fuzz_must(event.length == 0 && event.what == LX_RFC2217_NOTHING);
+                dg_rfc2217_feed(&other, &found, text[k], &event);
+                fuzz_must(event.length == 0 && event.what == DG_RFC2217_NOTHING);
             }
         }
     }
@@ -121,23 +126,23 @@ static void check_quiet(const struct lx_rfc2217 *self)
 
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t n)
 {
-    struct lx_rfc2217 client = {.baud = 0};
-    struct lx_rfc2217_event event;
+    struct dg_rfc2217 client = {.baud = 0};
+    struct dg_rfc2217_event event;
 
     for (size_t i = 0; i < n; i++) {
-        const enum lx_rfc2217_state before = client.state;
-        lx_rfc2217_feed(&client, &found, bytes[i], &event);
+        const enum dg_rfc2217_state before = client.state;
+        dg_rfc2217_feed(&client, &found, bytes[i], &event);
         check_answer(&client, &event);
         check_setting(&client);
-        if (before == LX_RFC2217_DATA) {
-            fuzz_must((event.what == LX_RFC2217_CHARACTER) == (bytes[i] != IAC));
+        if (before == DG_RFC2217_DATA) {
+            fuzz_must((event.what == DG_RFC2217_CHARACTER) == (bytes[i] != IAC));
         }
-        if (event.what == LX_RFC2217_CHARACTER) {
-            fuzz_must(event.character == bytes[i] && client.state == LX_RFC2217_DATA);
+        if (event.what == DG_RFC2217_CHARACTER) {
+            fuzz_must(event.character == bytes[i] && client.state == DG_RFC2217_DATA);
             check_print(&client, bytes[i]);
         }
     }
-    if (client.state == LX_RFC2217_DATA) {
+    if (client.state == DG_RFC2217_DATA) {
         check_quiet(&client);
     }
     return 0;

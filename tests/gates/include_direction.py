@@ -55,7 +55,7 @@ ROOMS = {
     "linux/nvm":       {"core", "devices", "bus", "linux/base"},
     "linux/trace":     {"core", "words", "linux/base"},
     "linux/plan":      {"core", "motion", "devices", "host", "rig", "linux/base"},
-    "linux/wire":      {"core", "control", "host", "rig", "linux/base", "linux/nvm", "linux/trace", "linux/plan"},
+    "linux/wire":      {"core", "control", "host", "bus", "rig", "linux/base", "linux/nvm", "linux/trace", "linux/plan"},
     "linux/rig":       {"motion"} | BELOW | WIRES,
     "hdl":             {"core", "motion", "host", "bus", "rig", "linux/base", "linux/nvm", "linux/plan"},
     "rp2040":          set(), # an image is an encoder with all that belongs to it
@@ -146,6 +146,7 @@ OWNER = {
     "bus_master.h": "bus",
     "bus_queue.h": "bus",
     "bus_words.h": "bus",
+    "rfc2217.h":   "bus",
     "ring_master.h": "bus",
     "ring_coupler.h": "interbus",
 }

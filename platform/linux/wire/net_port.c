@@ -9,24 +9,12 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "drehgeber/api.h"
+#include "drehgeber/rfc2217.h"
 #include "peers.h"
-#include "rfc2217.h"
 #include "serial.h"
 
 /* A client that has sent its last character still hears the answer. */
 #define LINGER DG_S(2)
-#define DATA_BITS 8u
-/* No parity that an encoder could have. */
-#define NO_SUCH_PARITY '?'
-
-/* A character on its way to a client, with the setting it is sent at. */
-struct sound {
-    uint32_t baud; /* LX_BAUD_ANY: nobody knows */
-    char parity;   /* 0: likewise */
-    uint8_t byte;
-    uint8_t line; /* what is wrong with it at any setting: bits of enum lx_rfc2217_line */
-};
 
 struct net_port {
     struct lx_serial serial;
@@ -42,46 +30,20 @@ static struct net_port *port_of(struct lx_serial *serial)
 
 /* --- clients hear --- */
 
-static uint32_t baud_of(const struct lx_rfc2217 *client)
+static bool tell_peer(const struct net_port *self, struct lx_peer *peer,
+                      const struct dg_rfc2217_sound *sound)
 {
-    return client->baud == 0 ? LX_BAUD_ANY : client->baud;
-}
-
-static char client_parity_of(const struct lx_rfc2217 *client)
-{
-    if (client->data_bits != 0 && client->data_bits != DATA_BITS) {
-        return NO_SUCH_PARITY;
-    }
-    return client->parity;
-}
-
-/* Another data rate leaves nothing of a character; another format its bits, as far as they go. */
-static size_t print_character(const struct lx_rfc2217 *client, const struct sound *sound,
-                              uint8_t to[LX_RFC2217_TEXT_MAX])
-{
-    const uint32_t baud = baud_of(client);
-    const char parity = client_parity_of(client);
-    const uint8_t bits = client->data_bits == 0 ? DATA_BITS : client->data_bits;
-    if (baud != LX_BAUD_ANY && sound->baud != LX_BAUD_ANY && baud != sound->baud) {
-        return lx_rfc2217_print(client, 0, LX_RFC2217_FRAMING | sound->line, to);
-    }
-    const bool fits = parity == 0 || sound->parity == 0 || parity == sound->parity;
-    return lx_rfc2217_print(client, (uint8_t)(sound->byte & ((1u << bits) - 1u)),
-                            sound->line | (fits ? 0 : LX_RFC2217_PARITY), to);
-}
-
-static bool tell_peer(const struct net_port *self, struct lx_peer *peer, const struct sound *sound)
-{
-    const struct lx_rfc2217 *client = (const void *)peer->own;
-    uint8_t text[LX_RFC2217_TEXT_MAX];
+    const struct dg_rfc2217 *client = (const void *)peer->own;
+    uint8_t text[DG_RFC2217_TEXT_MAX];
     if (!self->telnet) {
         return lx_peer_put(peer, &sound->byte, 1);
     }
-    return lx_peer_put(peer, text, print_character(client, sound, text));
+    return lx_peer_put(peer, text, dg_rfc2217_print(client, sound, text));
 }
 
 /* @return how many have heard it */
-static size_t tell_all(struct net_port *self, const struct lx_peer *from, const struct sound *sound)
+static size_t tell_all(struct net_port *self, const struct lx_peer *from,
+                       const struct dg_rfc2217_sound *sound)
 {
     size_t count = 0;
     for (size_t i = 0; i < LX_PEERS_MAX; i++) {
@@ -100,7 +62,8 @@ static size_t send(struct lx_serial *serial, const uint8_t *bytes, size_t n)
     struct net_port *self = port_of(serial);
     size_t sent = 0;
     for (size_t i = 0; i < n; i++) {
-        const struct sound sound = {serial->sends.baud, serial->sends.parity, bytes[i], 0};
+        const struct dg_rfc2217_sound sound = {
+            {serial->sends.baud, serial->sends.parity}, bytes[i], 0};
         sent += tell_all(self, NULL, &sound) > 0 ? 1u : 0u;
     }
     lx_peers_flush(&self->peers);
@@ -113,8 +76,8 @@ static void take_serial_character(struct net_port *self, const struct lx_peer *f
                                   const struct lx_character *character)
 {
     struct lx_serial *serial = &self->serial;
-    const uint8_t line = character->damaged ? LX_RFC2217_FRAMING | LX_RFC2217_BREAK_SEEN : 0;
-    const struct sound sound = {serial->baud, serial->parity, character->byte, line};
+    const uint8_t line = character->damaged ? DG_RFC2217_FRAMING | DG_RFC2217_BREAK_SEEN : 0;
+    const struct dg_rfc2217_sound sound = {{serial->baud, serial->parity}, character->byte, line};
     (void)tell_all(self, from, &sound);
     serial->setup.rx(serial->setup.ctx, now, character);
 }
@@ -123,22 +86,24 @@ static void on_byte(void *ctx, struct lx_peer *peer, dg_ns now, uint8_t byte, si
 {
     struct net_port *self = ctx;
     struct lx_serial *serial = &self->serial;
-    struct lx_rfc2217 *client = (void *)peer->own;
+    struct dg_rfc2217 *client = (void *)peer->own;
     struct lx_character character = {.byte = byte};
-    struct lx_rfc2217_event event = {.what = LX_RFC2217_CHARACTER, .character = byte};
+    struct dg_rfc2217_event event = {.what = DG_RFC2217_CHARACTER, .character = byte};
     serial->more = more;
     serial->baud = LX_BAUD_ANY;
     serial->parity = 0;
     if (self->telnet) {
-        lx_rfc2217_feed(client, &serial->uart, byte, &event);
+        const struct dg_rfc2217_uart found = {serial->uart.baud, serial->uart.parity};
+        dg_rfc2217_feed(client, &found, byte, &event);
         lx_peer_answer(peer, event.answer, event.length);
         peer->held = client->suspended;
-        serial->baud = baud_of(client);
-        serial->parity = client_parity_of(client);
-        character.byte = event.what == LX_RFC2217_BREAK ? 0 : event.character;
-        character.damaged = event.what == LX_RFC2217_BREAK;
+        const struct dg_rfc2217_uart own = dg_rfc2217_setting(client);
+        serial->baud = own.baud;
+        serial->parity = own.parity;
+        character.byte = event.what == DG_RFC2217_BREAK ? 0 : event.character;
+        character.damaged = event.what == DG_RFC2217_BREAK;
     }
-    if (event.what != LX_RFC2217_NOTHING) {
+    if (event.what != DG_RFC2217_NOTHING) {
         take_serial_character(self, peer, now, &character);
     }
 }
@@ -169,7 +134,7 @@ static int open_net(struct lx_serial *serial, struct lx_error *error)
         .say = serial->setup.say,
         .name = self->telnet ? "rs485:rfc2217" : "rs485:tcp",
         .where = &self->where,
-        .own_size = sizeof(struct lx_rfc2217),
+        .own_size = sizeof(struct dg_rfc2217),
         .linger = LINGER,
         .byte = on_byte,
         .ctx = self,

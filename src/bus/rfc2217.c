@@ -3,12 +3,12 @@
  * Telnet (RFC 854, 855) in five states, and under the COM port option one row for each command:
  * how many bytes its value has, and what it does. Every setting is answered with what is in force.
  */
-#include "rfc2217.h"
+#include "drehgeber/rfc2217.h"
 
 #include <string.h>
 
-#include "drehgeber/api.h"
 #include "drehgeber/bits.h"
+#include "drehgeber/bus_characters.h"
 
 /* Telnet commands. */
 enum {
@@ -41,9 +41,13 @@ static const uint8_t options[] = {0 /* binary */, 3 /* suppress go ahead */, 44 
 #define BREAK_ON 5u
 #define CONTROL_LAST 19u
 
+#define DATA_BITS 8u
+/* No parity that an encoder could have. */
+#define NO_SUCH_PARITY '?'
+
 /* --- answers --- */
 
-static void put_answer(struct lx_rfc2217_event *event, const uint8_t *bytes, size_t n)
+static void put_answer(struct dg_rfc2217_event *event, const uint8_t *bytes, size_t n)
 {
     if (event->length + n <= sizeof event->answer) {
         memcpy(event->answer + event->length, bytes, n);
@@ -64,7 +68,7 @@ static size_t escape_bytes(uint8_t *to, const uint8_t *bytes, size_t n)
     return length;
 }
 
-static size_t command(uint8_t *to, uint8_t code, const uint8_t *value, size_t n)
+static size_t encode_command(uint8_t *to, uint8_t code, const uint8_t *value, size_t n)
 {
     const uint8_t begin[] = {IAC, SB, COM_PORT, (uint8_t)(code + SERVER)};
     const uint8_t end[] = {IAC, SE};
@@ -74,14 +78,14 @@ static size_t command(uint8_t *to, uint8_t code, const uint8_t *value, size_t n)
     return length + sizeof end;
 }
 
-static void answer_option(struct lx_rfc2217_event *event, uint8_t code, const uint8_t *value,
+static void answer_option(struct dg_rfc2217_event *event, uint8_t code, const uint8_t *value,
                           size_t n)
 {
-    uint8_t text[LX_RFC2217_ANSWER_MAX];
-    put_answer(event, text, command(text, code, value, n));
+    uint8_t text[DG_RFC2217_ANSWER_MAX];
+    put_answer(event, text, encode_command(text, code, value, n));
 }
 
-static void answer_byte(struct lx_rfc2217_event *event, uint8_t code, uint8_t value)
+static void answer_byte(struct dg_rfc2217_event *event, uint8_t code, uint8_t value)
 {
     answer_option(event, code, &value, 1);
 }
@@ -90,9 +94,9 @@ static void answer_byte(struct lx_rfc2217_event *event, uint8_t code, uint8_t va
 
 /* A command of a client. */
 struct call {
-    struct lx_rfc2217 *self;
-    const struct lx_uart *found;
-    struct lx_rfc2217_event *event;
+    struct dg_rfc2217 *self;
+    const struct dg_rfc2217_uart *found;
+    struct dg_rfc2217_event *event;
     uint8_t code;
     const uint8_t *value;
 };
@@ -100,14 +104,14 @@ struct call {
 static void tell_name(const struct call *call)
 {
     static const char name[] = "drehgeber";
-    answer_option(call->event, call->code, (const uint8_t *)name, strlen(name));
+    answer_option(call->event, call->code, (const uint8_t *)name, sizeof name - 1u);
 }
 
 static void set_baud(const struct call *call)
 {
     const uint32_t baud = dg_load_be32(call->value);
     uint8_t value[4];
-    if (baud >= LX_RFC2217_BAUD_MIN && baud <= LX_RFC2217_BAUD_MAX) {
+    if (baud >= DG_RFC2217_BAUD_MIN && baud <= DG_RFC2217_BAUD_MAX) {
         call->self->baud = baud;
     }
     dg_store_be32(value, call->self->baud == 0 ? call->found->baud : call->self->baud);
@@ -158,8 +162,8 @@ static void set_control(const struct call *call)
 {
     static const uint8_t group_of[CONTROL_LAST + 1u] = {0, 0, 0, 0, 1, 1, 1, 2, 2, 2,
                                                         3, 3, 3, 4, 4, 4, 4, 0, 4, 0};
-    static const uint8_t asks[LX_RFC2217_CONTROLS] = {0, 4, 7, 10, 13};
-    static const uint8_t found[LX_RFC2217_CONTROLS] = {1, 6, 8, 11, 14};
+    static const uint8_t asks[DG_RFC2217_CONTROLS] = {0, 4, 7, 10, 13};
+    static const uint8_t found[DG_RFC2217_CONTROLS] = {1, 6, 8, 11, 14};
     const uint8_t value = *call->value;
     const uint8_t group = value > CONTROL_LAST ? 0 : group_of[value];
     uint8_t *control = &call->self->control[group];
@@ -167,7 +171,7 @@ static void set_control(const struct call *call)
         *control = value;
     }
     if (value == BREAK_ON) {
-        call->event->what = LX_RFC2217_BREAK;
+        call->event->what = DG_RFC2217_BREAK;
     }
     answer_byte(call->event, call->code, *control == 0 ? found[group] : *control);
 }
@@ -189,7 +193,7 @@ static void set_line_mask(const struct call *call)
 }
 
 /* Of a mask for what never changes, and of what is to be thrown away: nothing waits here. */
-static void accept(const struct call *call)
+static void echo_value(const struct call *call)
 {
     answer_byte(call->event, call->code, *call->value);
 }
@@ -201,13 +205,13 @@ static const struct {
 } commands[] = {
     {0, tell_name},     {4, set_baud},   {1, set_data_bits}, {1, set_parity}, {1, set_stop_bits},
     {1, set_control},   {0, tell_state}, {0, tell_state},    {0, set_flow},   {0, set_flow},
-    {1, set_line_mask}, {1, accept},     {1, accept},
+    {1, set_line_mask}, {1, echo_value}, {1, echo_value},
 };
 
-static void execute_setting(struct lx_rfc2217 *self, const struct lx_uart *found,
-                            struct lx_rfc2217_event *event)
+static void execute_setting(struct dg_rfc2217 *self, const struct dg_rfc2217_uart *found,
+                            struct dg_rfc2217_event *event)
 {
-    if (self->length < 2 || self->length > LX_RFC2217_COMMAND_MAX || self->command[0] != COM_PORT ||
+    if (self->length < 2 || self->length > DG_RFC2217_COMMAND_MAX || self->command[0] != COM_PORT ||
         self->command[1] >= DG_COUNT(commands)) {
         return;
     }
@@ -224,8 +228,8 @@ static void execute_setting(struct lx_rfc2217 *self, const struct lx_uart *found
 /* --- telnet --- */
 
 /* Agree to what is known, once; decline the rest. Who says no is believed. */
-static void negotiate_option(struct lx_rfc2217 *self, uint8_t option,
-                             struct lx_rfc2217_event *event)
+static void negotiate_option(struct dg_rfc2217 *self, uint8_t option,
+                             struct dg_rfc2217_event *event)
 {
     const bool theirs = self->verb == WILL || self->verb == WONT;
     const bool on = self->verb == WILL || self->verb == DO;
@@ -249,71 +253,71 @@ static void negotiate_option(struct lx_rfc2217 *self, uint8_t option,
     }
 }
 
-static void collect_option(struct lx_rfc2217 *self, uint8_t byte)
+static void collect_option(struct dg_rfc2217 *self, uint8_t byte)
 {
-    if (self->length < LX_RFC2217_COMMAND_MAX) {
+    if (self->length < DG_RFC2217_COMMAND_MAX) {
         self->command[self->length] = byte;
     }
     self->length =
-        (uint8_t)(self->length <= LX_RFC2217_COMMAND_MAX ? self->length + 1u : self->length);
+        (uint8_t)(self->length <= DG_RFC2217_COMMAND_MAX ? self->length + 1u : self->length);
 }
 
-static void on_telnet_data(struct lx_rfc2217 *self, uint8_t byte, struct lx_rfc2217_event *event)
+static void on_telnet_data(struct dg_rfc2217 *self, uint8_t byte, struct dg_rfc2217_event *event)
 {
     if (byte == IAC) {
-        self->state = LX_RFC2217_COMMAND;
+        self->state = DG_RFC2217_COMMAND;
         return;
     }
-    event->what = LX_RFC2217_CHARACTER;
+    event->what = DG_RFC2217_CHARACTER;
     event->character = byte;
 }
 
-static void on_command(struct lx_rfc2217 *self, uint8_t byte, struct lx_rfc2217_event *event)
+static void on_command(struct dg_rfc2217 *self, uint8_t byte, struct dg_rfc2217_event *event)
 {
-    self->state = LX_RFC2217_DATA;
+    self->state = DG_RFC2217_DATA;
     if (byte == IAC) {
-        event->what = LX_RFC2217_CHARACTER;
+        event->what = DG_RFC2217_CHARACTER;
         event->character = byte;
     } else if (byte >= WILL) {
         self->verb = byte;
-        self->state = LX_RFC2217_OPTION;
+        self->state = DG_RFC2217_OPTION;
     } else if (byte == SB) {
         self->length = 0;
-        self->state = LX_RFC2217_SUB;
+        self->state = DG_RFC2217_SUB;
     } else if (byte == BRK) {
-        event->what = LX_RFC2217_BREAK;
+        event->what = DG_RFC2217_BREAK;
     }
 }
 
-void lx_rfc2217_feed(struct lx_rfc2217 *self, const struct lx_uart *found, uint8_t byte,
-                     struct lx_rfc2217_event *event)
+void dg_rfc2217_feed(struct dg_rfc2217 *self, const struct dg_rfc2217_uart *found, uint8_t byte,
+                     struct dg_rfc2217_event *event)
 {
-    event->what = LX_RFC2217_NOTHING;
+    event->what = DG_RFC2217_NOTHING;
     event->length = 0;
     switch (self->state) {
-    case LX_RFC2217_DATA:
+    case DG_RFC2217_DATA:
         on_telnet_data(self, byte, event);
         break;
-    case LX_RFC2217_COMMAND:
+    case DG_RFC2217_COMMAND:
         on_command(self, byte, event);
         break;
-    case LX_RFC2217_OPTION:
-        self->state = LX_RFC2217_DATA;
+    case DG_RFC2217_OPTION:
+        self->state = DG_RFC2217_DATA;
         negotiate_option(self, byte, event);
         break;
-    case LX_RFC2217_SUB:
+    case DG_RFC2217_SUB:
         if (byte == IAC) {
-            self->state = LX_RFC2217_SUB_COMMAND;
+            self->state = DG_RFC2217_SUB_COMMAND;
         } else {
             collect_option(self, byte);
         }
         break;
-    case LX_RFC2217_SUB_COMMAND: /* any other command ends it without effect */
+    case DG_RFC2217_SUB_COMMAND: /* any other command ends it without effect */
         if (byte == IAC) {
-            self->state = LX_RFC2217_SUB;
+            self->state = DG_RFC2217_SUB;
             collect_option(self, byte);
         } else if (byte == SE) {
-            self->state = LX_RFC2217_DATA;
+            self->state = DG_RFC2217_DATA;
             execute_setting(self, found, event);
         } else {
             on_command(self, byte, event);
@@ -322,10 +326,34 @@ void lx_rfc2217_feed(struct lx_rfc2217 *self, const struct lx_uart *found, uint8
     }
 }
 
-size_t lx_rfc2217_print(const struct lx_rfc2217 *self, uint8_t character, uint8_t line,
-                        uint8_t to[LX_RFC2217_TEXT_MAX])
+/* --- what the client hears --- */
+
+struct dg_rfc2217_uart dg_rfc2217_setting(const struct dg_rfc2217 *self)
 {
+    const bool fits = self->data_bits == 0 || self->data_bits == DATA_BITS;
+
+    return (struct dg_rfc2217_uart){
+        .baud = self->baud == 0 ? DG_BAUD_ANY : self->baud,
+        .parity = fits ? self->parity : NO_SUCH_PARITY,
+    };
+}
+
+size_t dg_rfc2217_print(const struct dg_rfc2217 *self, const struct dg_rfc2217_sound *sound,
+                        uint8_t to[DG_RFC2217_TEXT_MAX])
+{
+    const struct dg_rfc2217_uart own = dg_rfc2217_setting(self);
+    const struct dg_rfc2217_uart *sent = &sound->sent;
+    const uint8_t bits = self->data_bits == 0 ? DATA_BITS : self->data_bits;
+    uint8_t character = (uint8_t)(sound->byte & ((1u << bits) - 1u));
+    uint8_t line = sound->line;
+
+    if (own.baud != DG_BAUD_ANY && sent->baud != DG_BAUD_ANY && own.baud != sent->baud) {
+        character = 0;
+        line |= DG_RFC2217_FRAMING;
+    } else if (own.parity != 0 && sent->parity != 0 && own.parity != sent->parity) {
+        line |= DG_RFC2217_PARITY;
+    }
     const uint8_t told = line & self->line_mask;
-    const size_t n = told == 0 ? 0 : command(to, NOTIFY_LINE, &told, 1);
+    const size_t n = told == 0 ? 0 : encode_command(to, NOTIFY_LINE, &told, 1);
     return n + escape_bytes(to + n, &character, 1);
 }

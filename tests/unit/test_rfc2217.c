@@ -8,9 +8,10 @@
 
 #include <cmocka.h>
 
-#include "rfc2217.h"
+#include "drehgeber/bus_characters.h"
+#include "drehgeber/rfc2217.h"
 
-static const struct lx_uart found = {.baud = 9600, .parity = 'E'};
+static const struct dg_rfc2217_uart found = {.baud = 9600, .parity = 'E'};
 
 /* What came of some bytes. */
 struct outcome {
@@ -20,16 +21,16 @@ struct outcome {
     uint8_t characters[16]; /* a break is a B */
 };
 
-static struct outcome say(struct lx_rfc2217 *self, const char *bytes, size_t n)
+static struct outcome say(struct dg_rfc2217 *self, const char *bytes, size_t n)
 {
     struct outcome out = {.answered = 0};
     for (size_t i = 0; i < n; i++) {
-        struct lx_rfc2217_event event;
-        lx_rfc2217_feed(self, &found, (uint8_t)bytes[i], &event);
+        struct dg_rfc2217_event event;
+        dg_rfc2217_feed(self, &found, (uint8_t)bytes[i], &event);
         memcpy(out.answer + out.answered, event.answer, event.length);
         out.answered += event.length;
-        if (event.what != LX_RFC2217_NOTHING) {
-            out.characters[out.heard++] = event.what == LX_RFC2217_BREAK ? 'B' : event.character;
+        if (event.what != DG_RFC2217_NOTHING) {
+            out.characters[out.heard++] = event.what == DG_RFC2217_BREAK ? 'B' : event.character;
         }
     }
     return out;
@@ -37,7 +38,7 @@ static struct outcome say(struct lx_rfc2217 *self, const char *bytes, size_t n)
 
 #define TEXT(text) (text), sizeof(text) - 1
 
-static void told(struct lx_rfc2217 *self, const char *bytes, size_t n, const char *answer,
+static void told(struct dg_rfc2217 *self, const char *bytes, size_t n, const char *answer,
                  size_t length)
 {
     const struct outcome out = say(self, bytes, n);
@@ -46,7 +47,7 @@ static void told(struct lx_rfc2217 *self, const char *bytes, size_t n, const cha
     assert_int_equal(out.heard, 0);
 }
 
-static void heard(struct lx_rfc2217 *self, const char *bytes, size_t n, const char *characters,
+static void heard(struct dg_rfc2217 *self, const char *bytes, size_t n, const char *characters,
                   size_t length)
 {
     const struct outcome out = say(self, bytes, n);
@@ -56,7 +57,7 @@ static void heard(struct lx_rfc2217 *self, const char *bytes, size_t n, const ch
 
 static void options_are_agreed_to_once(void **state)
 {
-    struct lx_rfc2217 self = {.baud = 0};
+    struct dg_rfc2217 self = {.baud = 0};
     (void)state;
     told(&self, TEXT("\xFF\xFB\x2C"), TEXT("\xFF\xFD\x2C\xFF\xFA\x2C\x6B\xB0\xFF\xF0"));
     told(&self, TEXT("\xFF\xFB\x2C"), TEXT(""));
@@ -69,7 +70,7 @@ static void options_are_agreed_to_once(void **state)
 
 static void settings_are_kept_in_range(void **state)
 {
-    struct lx_rfc2217 self = {.baud = 0};
+    struct dg_rfc2217 self = {.baud = 0};
     (void)state;
     told(&self, TEXT("\xFF\xFA\x2C\x01\0\0\0\0\xFF\xF0"),
          TEXT("\xFF\xFA\x2C\x65\0\0\x25\x80\xFF\xF0"));
@@ -93,7 +94,7 @@ static void settings_are_kept_in_range(void **state)
 
 static void what_is_no_command_is_nothing(void **state)
 {
-    struct lx_rfc2217 self = {.baud = 0};
+    struct dg_rfc2217 self = {.baud = 0};
     (void)state;
     told(&self, TEXT("\xFF\xFA\xFF\xF0\xFF\xFA\x2C\xFF\xF0"), TEXT(""));
     told(&self, TEXT("\xFF\xFA\x2C\x0D\x01\xFF\xF0\xFF\xFA\x18\x01\xFF\xF0"), TEXT(""));
@@ -112,7 +113,7 @@ static void what_is_no_command_is_nothing(void **state)
 
 static void characters_and_breaks(void **state)
 {
-    struct lx_rfc2217 self = {.baud = 0};
+    struct dg_rfc2217 self = {.baud = 0};
     (void)state;
     heard(&self, TEXT("\x40\x42\x02\0\r\n"), TEXT("\x40\x42\x02\0\r\n"));
     heard(&self,
@@ -127,22 +128,72 @@ static void characters_and_breaks(void **state)
     heard(&self, TEXT("\xFF\xFA\x2C\x05\x05\xFF\xF0"), TEXT("B"));
 }
 
+/* A character that is right at any setting but for `line`. */
+static size_t print_any(const struct dg_rfc2217 *self, uint8_t byte, uint8_t line, uint8_t *text)
+{
+    const struct dg_rfc2217_sound sound = {{DG_BAUD_ANY, 0}, byte, line};
+    return dg_rfc2217_print(self, &sound, text);
+}
+
 static void characters_are_told_with_what_was_wrong(void **state)
 {
-    struct lx_rfc2217 self = {.baud = 0};
-    uint8_t text[LX_RFC2217_TEXT_MAX];
+    struct dg_rfc2217 self = {.baud = 0};
+    uint8_t text[DG_RFC2217_TEXT_MAX];
     (void)state;
-    assert_int_equal(lx_rfc2217_print(&self, 'a', LX_RFC2217_PARITY, text), 1);
-    assert_int_equal(lx_rfc2217_print(&self, 0xFF, 0, text), 2);
+    assert_int_equal(print_any(&self, 'a', DG_RFC2217_PARITY, text), 1);
+    assert_int_equal(print_any(&self, 0xFF, 0, text), 2);
     assert_memory_equal(text, "\xFF\xFF", 2);
     told(&self, TEXT("\xFF\xFA\x2C\x0A\x04\xFF\xF0"), TEXT("\xFF\xFA\x2C\x6E\x04\xFF\xF0"));
-    assert_int_equal(lx_rfc2217_print(&self, 'a', LX_RFC2217_FRAMING, text), 1);
-    assert_int_equal(lx_rfc2217_print(&self, 0xFF, LX_RFC2217_PARITY, text), 9);
+    assert_int_equal(print_any(&self, 'a', DG_RFC2217_FRAMING, text), 1);
+    assert_int_equal(print_any(&self, 0xFF, DG_RFC2217_PARITY, text), 9);
     assert_memory_equal(text, "\xFF\xFA\x2C\x6A\x04\xFF\xF0\xFF\xFF", 9);
     told(&self, TEXT("\xFF\xFA\x2C\x08\xFF\xF0"), TEXT(""));
     assert_true(self.suspended);
     told(&self, TEXT("\xFF\xFA\x2C\x09\xFF\xF0"), TEXT(""));
     assert_false(self.suspended);
+}
+
+/* At another data rate nothing is left of a character; another format leaves its bits. */
+static void clients_hear_at_their_own_setting(void **state)
+{
+    static const struct dg_rfc2217_sound sound = {{9600, 'E'}, 0xC1, 0};
+    static const struct {
+        struct dg_rfc2217 client;
+        uint8_t line;
+        uint8_t byte;
+    } rows[] = {
+        {{.baud = 0}, 0, 0xC1},
+        {{.baud = 9600, .parity = 'E'}, 0, 0xC1},
+        {{.baud = 9600, .parity = 'O'}, DG_RFC2217_PARITY, 0xC1},
+        {{.parity = 'N'}, DG_RFC2217_PARITY, 0xC1},
+        {{.baud = 19200, .parity = 'E'}, DG_RFC2217_FRAMING, 0},
+        {{.baud = 9600, .data_bits = 8}, 0, 0xC1},
+        {{.baud = 9600, .data_bits = 7}, DG_RFC2217_PARITY, 0x41},
+        {{.data_bits = 6, .parity = 'E'}, DG_RFC2217_PARITY, 0x01},
+    };
+    uint8_t text[DG_RFC2217_TEXT_MAX];
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+        struct dg_rfc2217 client = rows[i].client;
+        assert_int_equal(dg_rfc2217_print(&client, &sound, text), 1);
+        assert_int_equal(text[0], rows[i].byte);
+        client.line_mask = 0xFF;
+        const size_t n = dg_rfc2217_print(&client, &sound, text);
+        assert_int_equal(n, rows[i].line == 0 ? 1 : 8);
+        assert_int_equal(rows[i].line == 0 ? 0 : text[4], rows[i].line);
+        assert_int_equal(text[n - 1u], rows[i].byte);
+    }
+}
+
+static void settings_of_a_uart(void **state)
+{
+    const struct dg_rfc2217 silent = {.baud = 0};
+    const struct dg_rfc2217 seven = {.baud = 1200, .parity = 'E', .data_bits = 7};
+    (void)state;
+    assert_int_equal(dg_rfc2217_setting(&silent).baud, DG_BAUD_ANY);
+    assert_int_equal(dg_rfc2217_setting(&silent).parity, 0);
+    assert_int_equal(dg_rfc2217_setting(&seven).baud, 1200);
+    assert_int_equal(dg_rfc2217_setting(&seven).parity, '?');
 }
 
 int main(void)
@@ -153,6 +204,8 @@ int main(void)
         cmocka_unit_test(what_is_no_command_is_nothing),
         cmocka_unit_test(characters_and_breaks),
         cmocka_unit_test(characters_are_told_with_what_was_wrong),
+        cmocka_unit_test(clients_hear_at_their_own_setting),
+        cmocka_unit_test(settings_of_a_uart),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
