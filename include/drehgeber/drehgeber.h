@@ -15,6 +15,7 @@
 #include "drehgeber/bus_frames.h"
 #include "drehgeber/bus_master.h"
 #include "drehgeber/bus_queue.h"
+#include "drehgeber/bus_reader.h"
 #include "drehgeber/bus_words.h"
 #include "drehgeber/canopen.h"
 #include "drehgeber/control.h"

@@ -87,6 +87,18 @@ static inline struct bus_place *dg_bus_place_at(const struct dg_bus *self, size_
 /** What is due before `now` happens, and it is `now`: for what comes in by a medium's own calls. */
 void dg_bus_run_until(struct dg_bus *self, dg_ns now);
 
+/** Whether a fault of the wire is set at one of the encoders. */
+static inline bool dg_bus_is_bent(const struct dg_bus *self)
+{
+    for (size_t i = 0; i < self->count; i++) {
+        const struct dg_encoder *control = dg_bus_place_at(self, i)->control;
+        if (control != NULL && control->faults.wire != 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
 /** Tell who looks. */
 static inline void dg_bus_tell(const struct dg_bus *self, const struct dg_tap_event *event)
 {

@@ -520,9 +520,9 @@ dg_ns dg_ring_quiet(const struct dg_bus *self)
     dg_ns until = DG_NEVER;
 
     if (ring->id_only || ring->is.result == DG_RING_INTERRUPTED) {
-        return is_ring_bent(self) ? self->now : DG_NEVER;
+        return dg_bus_is_bent(self) ? self->now : DG_NEVER;
     }
-    if (ring->is.result != DG_RING_OK || is_ring_bent(self)) {
+    if (ring->is.result != DG_RING_OK || dg_bus_is_bent(self)) {
         return self->now;
     }
     for (size_t i = 0; i < self->count; i++) {

@@ -85,7 +85,7 @@ bool dg_ring_master_cycle(struct dg_ring_master *self, dg_ns now)
     };
     (void)dg_bus_rx(self->setup.bus, &event);
     /* A fault may have happened as often as it was to, which nobody hears of. */
-    self->bent = self->bent && is_ring_bent(self->setup.bus);
+    self->bent = self->bent && dg_bus_is_bent(self->setup.bus);
     return !state->dropped;
 }
 
@@ -139,7 +139,7 @@ void dg_ring_master_changed(struct dg_ring_master *self, bool watched, dg_ns now
 {
     dg_ring_master_to(self, now);
     self->watched = watched;
-    self->bent = is_ring_bent(self->setup.bus);
+    self->bent = dg_bus_is_bent(self->setup.bus);
     self->stirred = true;
 }
 

@@ -67,18 +67,6 @@ static inline struct dg_faults *faults_of(const struct member *self)
     return self->place.control != NULL ? &self->place.control->faults : NULL;
 }
 
-/** Whether a fault of the wire is set at one of the encoders. */
-static inline bool is_ring_bent(const struct dg_bus *self)
-{
-    for (size_t i = 0; i < self->count; i++) {
-        const struct dg_faults *faults = faults_of(member_at(self, i));
-        if (faults != NULL && faults->wire != 0) {
-            return true;
-        }
-    }
-    return false;
-}
-
 /** In a data cycle that is about to take place: whether dg_bus_ring_bend_words() is to be called,
  * ring->keeps. From the first such cycle on the words of the one before are known. */
 void dg_bus_ring_decide_to_bend(const struct dg_bus *self);

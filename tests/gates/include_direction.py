@@ -145,6 +145,7 @@ OWNER = {
     "bus_frames.h": "bus",
     "bus_master.h": "bus",
     "bus_queue.h": "bus",
+    "bus_reader.h": "bus",
     "bus_words.h": "bus",
     "rfc2217.h":   "bus",
     "ring_master.h": "bus",

@@ -1,51 +1,25 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Encoders on a simulated clocked wire, with a master in this process that reads positions by the
- * rig's clock. A frame takes its time on the wire, which may run ahead of the clock by it; then the
- * next one waits:
- *
- *   clock  0        100 ms     200 ms
- *   wire   |frame|  |frame|registers.......|frame|
- *
- * Whatever the clock does, each frame is read at its own moment: no deadline can be missed here.
- *
- * Frames that nobody can notice are counted and not clocked: when nobody listens, no fault bends
- * the wire, and nothing has happened for a while, this does not even wake the process. Whoever
- * looks then sees what he would have seen otherwise:
- *
- *   stir                      look                 look
- *    v                          v                    v
- *   --x----x----x----o----o----x----o----o----o----x--   x clocked, o counted
+ * rig's clock. Which frames are read, and which ones need not even wake the process, is the
+ * library's (drehgeber/bus_reader.h). Whatever the clock does, each frame is read at its own moment:
+ * no deadline can be missed here.
  */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "drehgeber/bus_reader.h"
 #include "sim_bus.h"
 #include "sim_silkit.h"
 #include "timer.h"
 
-/* How often the master reads. */
-#define READ_EVERY DG_MS(100)
-/* Frames that are clocked after something has happened, for what takes its time to show. */
-#define STIRRED (3u * READ_EVERY)
-/* Frames that are caught up with after a step or a pause of this process; older ones are left out.
- */
-#define READS_MAX 1000u
-
 struct sim_bus {
     struct lx_bus bus;
     struct lx_clocked *line;
-    dg_ns init; /* of the encoder that takes longest */
-    struct dg_bus_master master;
+    struct dg_bus_reader reader;
     struct lx_timer timer;
     struct lx_sim_silkit silkit; /* driven: says when a frame is read */
-    dg_ns due;                   /* the next frame, by the rig's clock */
-    dg_ns stirred;               /* frames before that are clocked, whoever looks */
-    uint32_t silent;             /* of the latest frame: without an answer, */
-    uint64_t bad;                /* ... positions with a wrong check sum */
-    uint64_t frames;             /* read */
-    uint64_t wrong;              /* positions with a wrong check sum */
 };
 
 static struct sim_bus *sim_of(struct lx_bus *bus)
@@ -60,61 +34,6 @@ static const struct dg_plan_timing *timing_of(const struct lx_bus *bus)
 
 /* --- the master --- */
 
-static void read_frame(struct sim_bus *self, dg_ns at)
-{
-    const struct dg_master_protocol *protocol = self->line->protocol->master;
-    const uint32_t silent = self->master.silent;
-    lx_clocked_listen(self->line);
-    dg_bus_master_pause(&self->master, at);
-    dg_bus_master_read(&self->master);
-    self->frames++;
-    self->bad = 0;
-    for (size_t i = 0; i < self->line->count; i++) {
-        self->bad += protocol->judge(&self->master, i) == DG_MASTER_WRONG;
-    }
-    self->wrong += self->bad;
-    self->silent = self->master.silent - silent;
-}
-
-/* Frames are counted that are like the latest one. */
-static void skip_frames(struct sim_bus *self, uint64_t n)
-{
-    self->line->protocol->master->skip(&self->master, n);
-    self->frames += n;
-    self->wrong += n * self->bad;
-    self->master.silent += (uint32_t)n * self->silent;
-    self->due += n * READ_EVERY;
-}
-
-/* Somebody has done something: to the encoders, or by them. */
-static void wake_bus(struct sim_bus *self, dg_ns now)
-{
-    self->stirred = dg_after(dg_after(now, self->init), STIRRED);
-}
-
-/* Whether somebody wants each frame, or it may come to something. */
-static bool is_watched(const struct sim_bus *self)
-{
-    return lx_tap_on(&self->bus.tap) || lx_bus_is_bent(&self->bus);
-}
-
-/* Not before the wire is free. */
-static dg_ns next_read(const struct sim_bus *self)
-{
-    return self->due > self->master.now ? self->due : self->master.now;
-}
-
-/* Before a frame that is due: the ones that are not clocked. The last one of all is. */
-static void pass_over(struct sim_bus *self, dg_ns now)
-{
-    const dg_ns behind = dg_elapsed(now, self->due) / READ_EVERY;
-    if (is_watched(self)) {
-        self->due += behind > READS_MAX ? (behind - READS_MAX) * READ_EVERY : 0;
-    } else if (self->due >= self->stirred) {
-        skip_frames(self, behind);
-    }
-}
-
 /* Sleep until the next frame, unless nobody could notice it, or until there may be something to
    tell the user. */
 static void sleep_until_frame(struct sim_bus *self)
@@ -123,30 +42,19 @@ static void sleep_until_frame(struct sim_bus *self)
     if (self->bus.setup.door->driven) {
         return;
     }
-    const dg_ns next = next_read(self);
-    const bool wanted = is_watched(self) || next < self->stirred;
     const dg_ns hint = lx_clocked_hint(self->line, setup->say, setup->stations[0]->control->name,
                                        lx_clock_now(setup->clock));
-    const dg_ns due = dg_earliest(hint, wanted ? next : DG_NEVER);
+    const dg_ns due = dg_earliest(hint, dg_bus_reader_next(&self->reader));
     lx_timer_at(&self->timer, due != DG_NEVER ? lx_clock_real(setup->clock, due) : DG_NEVER);
 }
 
 static void catch_up_frames(struct sim_bus *self)
 {
-    if (self->bus.setup.door->driven) {
-        return;
+    dg_bus_reader_watch(&self->reader, lx_tap_on(&self->bus.tap));
+    if (!self->bus.setup.door->driven) {
+        dg_bus_reader_run(&self->reader, lx_clock_now(self->bus.setup.clock));
+        sleep_until_frame(self);
     }
-    const dg_ns now = lx_clock_now(self->bus.setup.clock);
-    while (next_read(self) <= now) {
-        const bool watched = is_watched(self);
-        pass_over(self, now);
-        read_frame(self, next_read(self));
-        self->due += READ_EVERY;
-        if (watched && !is_watched(self)) { /* a fault is used up: the next ones are not like it */
-            wake_bus(self, self->due);
-        }
-    }
-    sleep_until_frame(self);
 }
 
 static void on_time(void *ctx, dg_ns now)
@@ -179,21 +87,19 @@ struct dg_bus_master *lx_sim_bus_begin(struct lx_bus *bus)
 {
     struct sim_bus *self = sim_of(bus);
     catch_up_frames(self);
-    lx_clocked_listen(self->line);
-    dg_bus_master_pause(&self->master, lx_clock_now(bus->setup.clock));
-    return &self->master;
+    dg_bus_master_pause(&self->reader.master, lx_clock_now(bus->setup.clock));
+    return &self->reader.master;
 }
 
 void lx_sim_bus_read(struct lx_bus *bus)
 {
-    struct sim_bus *self = sim_of(bus);
-    read_frame(self, self->master.now);
+    dg_bus_reader_read(&sim_of(bus)->reader);
 }
 
 void lx_sim_bus_end(struct lx_bus *bus)
 {
     struct sim_bus *self = sim_of(bus);
-    wake_bus(self, lx_clock_now(bus->setup.clock));
+    dg_bus_reader_stir(&self->reader, lx_clock_now(bus->setup.clock));
     sleep_until_frame(self);
 }
 
@@ -215,7 +121,7 @@ static bool read_one(struct lx_bus *bus, struct lx_station *station, char *text,
     lx_sim_bus_begin(bus);
     lx_sim_bus_read(bus);
     lx_sim_bus_end(bus);
-    const struct dg_bus_master *master = &sim_of(bus)->master;
+    const struct dg_bus_master *master = &sim_of(bus)->reader.master;
     if (master->setup.protocol->judge(master, station->place) == DG_MASTER_SILENT) {
         return false;
     }
@@ -229,20 +135,17 @@ static int open_bus(struct lx_bus *bus, dg_ns now, struct lx_error *error)
 {
     struct sim_bus *self = sim_of(bus);
     const struct lx_bus_setup *setup = &bus->setup;
-    self->init = lx_clocked_init(self->line);
-    self->due = dg_after(now, self->init);
     if (lx_clocked_open(self->line, setup, bus->core, &bus->tap, now, error) != 0) {
         return -1;
     }
-    for (size_t i = 0; i < setup->count; i++) {
-        setup->stations[i]->ready = setup->door->driven ? DG_NEVER : self->due;
-    }
     const struct dg_bus_master_setup master = lx_sim_bus_master(bus);
-    dg_bus_master_init(&self->master, &master, now);
+    dg_bus_reader_init(&self->reader, &master, lx_clocked_init(self->line), now);
+    for (size_t i = 0; i < setup->count; i++) {
+        setup->stations[i]->ready = setup->door->driven ? DG_NEVER : self->reader.due;
+    }
     if (lx_timer_make(&self->timer, setup->event, on_time, self, error) != 0) {
         return -1;
     }
-    wake_bus(self, self->due);
     catch_up_frames(self);
     return setup->door->driven ? lx_sim_silkit_open(&self->silkit, bus, error) : 0;
 }
@@ -266,7 +169,7 @@ static void changed(struct lx_bus *bus, struct lx_station *station, dg_ns now)
 {
     struct sim_bus *self = sim_of(bus);
     if (station != NULL) {
-        wake_bus(self, now);
+        dg_bus_reader_stir(&self->reader, now);
     }
     catch_up_frames(self);
 }
@@ -277,9 +180,9 @@ static void counters(const struct lx_bus *bus, const struct lx_station *station,
     (void)station;
     dg_state_number(to, "wire_up", 1);
     dg_state_number(to, "wire_late", bus->late);
-    dg_state_number(to, "wire_frames", self->frames);
-    dg_state_number(to, "wire_silent", self->master.silent);
-    dg_state_number(to, "wire_wrong", self->wrong);
+    dg_state_number(to, "wire_frames", self->reader.counters.frames);
+    dg_state_number(to, "wire_silent", self->reader.master.silent);
+    dg_state_number(to, "wire_wrong", self->reader.counters.wrong);
 }
 
 static void close_bus(struct lx_bus *bus)

@@ -8,15 +8,6 @@ void lx_bus_serve(struct lx_bus *self, dg_ns deadline, dg_ns now)
     }
 }
 
-bool lx_bus_is_bent(const struct lx_bus *self)
-{
-    bool bent = false;
-    for (size_t i = 0; i < self->setup.count; i++) {
-        bent = bent || self->setup.stations[i]->control->faults.wire != 0;
-    }
-    return bent;
-}
-
 void *lx_bus_allocate(size_t size, const struct lx_bus_ops *ops, const struct lx_bus_setup *setup,
                       struct lx_error *error)
 {

@@ -102,9 +102,6 @@ void *lx_bus_allocate(size_t size, const struct lx_bus_ops *ops, const struct lx
  * any case */
 int lx_bus_open(struct lx_bus *self, dg_ns now, struct lx_error *error);
 
-/** Whether a fault of the wire is set at one of the encoders. */
-bool lx_bus_is_bent(const struct lx_bus *self);
-
 /** A deadline that is served later than this was missed: the shortest maximum response time that
  * the manual of the RS485 encoders has for a command (5.1.2). */
 #define LX_BUS_LATE DG_MS(5)
