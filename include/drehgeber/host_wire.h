@@ -21,6 +21,7 @@ extern "C" {
 #endif
 
 struct dg_encoder; /* control.h */
+struct dg_rig;     /* likewise */
 
 /** What a wire sees of its handle, and keeps there. dg_stack_setup.ctx of the device. */
 struct dg_host_line {
@@ -210,6 +211,9 @@ DG_API struct dg_stack_setup dg_host_setup(struct dg_host *self);
 
 /** The encoder of a panel, whose faults happen to what it sends on a bus, too: dg_bus_control(). */
 DG_API struct dg_encoder *dg_host_panel_encoder(struct dg_host_panel *self);
+/** The rig of that one encoder, for dg_rig_follow(): dg_host_panel_step() goes on with courses, as
+ * with faults that end. */
+DG_API struct dg_rig *dg_host_panel_rig(struct dg_host_panel *self);
 
 /** The line of a handle of this wire that was switched on, at its moment or at `now` if that is
  * later: time has gone on. @return NULL with `result`: another wire, or no power */

@@ -419,6 +419,11 @@ struct dg_encoder *dg_host_panel_encoder(struct dg_host_panel *self)
     return &self->encoder;
 }
 
+struct dg_rig *dg_host_panel_rig(struct dg_host_panel *self)
+{
+    return &self->rig;
+}
+
 /* ------------------------------------------------------------ faults */
 
 int dg_host_fault(const struct dg_host_panel *self, size_t index, struct dg_host_fault *to)

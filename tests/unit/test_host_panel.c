@@ -13,6 +13,9 @@
 #include <cmocka.h>
 
 #include "drehgeber/biss.h"
+#include "drehgeber/control.h"
+#include "drehgeber/host_wire.h"
+#include "drehgeber/quantity.h"
 #include "host_rig.h"
 
 /* ------------------------------------------------------------ faults and SCPI */
@@ -552,6 +555,41 @@ static void a_quantity_that_the_host_sets_ends_its_fault(void **state)
     assert_int_equal(value, 0);
 }
 
+static int64_t temperature_of(const struct dg_host *self)
+{
+    int64_t value = 0;
+
+    assert_int_equal(dg_host_world_get(self, "temperature", &value), DG_HOST_OK);
+    return value;
+}
+
+/* A fault stays in front of it. */
+static void a_course_goes_on_by_the_panel(void **state)
+{
+    static const struct dg_course_point points[] = {{0, 20000}, {10 * SECOND, 30000}};
+    struct dg_rig_course course = {.course = {.points = points, .count = 2},
+                                   .quantity = DG_QUANTITY_TEMPERATURE};
+    struct dg_host *self = host_rig_start(&host_rig_here, "s3684-biss");
+    struct dg_host_panel *board = panel(self);
+    struct dg_encoder *encoder = dg_host_panel_encoder(board);
+
+    (void)state;
+    assert_int_equal(dg_rig_follow(dg_host_panel_rig(board), encoder, &course, READY), DG_OK);
+    assert_int_equal(temperature_of(self), 20000);
+    (void)dg_host_panel_step(board, READY + 5 * SECOND);
+    assert_int_equal(temperature_of(self), 25000);
+    assert_int_equal(dg_host_fault_set(board, READY + 5 * SECOND, "temperature_high", true),
+                     DG_HOST_OK);
+    (void)dg_host_panel_step(board, READY + 6 * SECOND);
+    assert_true(temperature_of(self) > 120000);
+    assert_int_equal(dg_host_fault_set(board, READY + 6 * SECOND, "temperature_high", false),
+                     DG_HOST_OK);
+    assert_int_equal(temperature_of(self), 26000);
+    dg_rig_unfollow(dg_host_panel_rig(board), encoder, DG_QUANTITY_TEMPERATURE);
+    (void)dg_host_panel_step(board, READY + 9 * SECOND);
+    assert_int_equal(temperature_of(self), 26000);
+}
+
 /* Turned by SCPI, it turns the others as well. */
 static void others_sit_on_the_shaft_of_a_panel(void **state)
 {
@@ -590,6 +628,7 @@ int main(void)
         cmocka_unit_test(an_answer_needs_room_for_its_zero),
         cmocka_unit_test(a_fault_with_a_time_ends),
         cmocka_unit_test(a_quantity_that_the_host_sets_ends_its_fault),
+        cmocka_unit_test(a_course_goes_on_by_the_panel),
         cmocka_unit_test(others_sit_on_the_shaft_of_a_panel),
     };
 
