@@ -62,10 +62,7 @@ class Clocked:
         level = whole(level, 0, 1, "level") == 1
         with encoder.clock.lock:
             now = encoder.clock._sync()
-            level = checked(encoder._lib.dg_host_clock(encoder._host, now, level), "the clock") == 1
-            if encoder._levels is not None:
-                encoder._tell_levels()
-        return level
+            return checked(encoder._lib.dg_host_clock(encoder._host, now, level), "the clock") == 1
 
     def watch(self) -> deque[Level]:
         """Each change of the encoder's line from now on, oldest first, with faults of the wire; those of frame() are not told. Empty
@@ -74,8 +71,8 @@ class Clocked:
         with encoder.clock.lock:
             encoder.clock._sync()
             if encoder._levels is None:
-                encoder._forget_told()
-                encoder._levels = deque()
+                encoder._levels = levels = deque[Level]()
+                encoder._listen(lambda event: levels.append(Level(seconds_of(event.at), event.data[0] != 0)))
             return encoder._levels
 
 
@@ -97,10 +94,7 @@ class Biss(Clocked):
         level = whole(level, 0, 1, "level") == 1
         with encoder.clock.lock:
             now = encoder.clock._sync()
-            level = checked(encoder._lib.dg_host_behind(encoder._host, now, level), "SLI") == 1
-            if encoder._levels is not None:
-                encoder._tell_levels()
-        return level
+            return checked(encoder._lib.dg_host_behind(encoder._host, now, level), "SLI") == 1
 
     def _registers(self, way: str, address: int, data: object, count: int) -> int:
         encoder = self._encoder

@@ -9,14 +9,16 @@ import warnings
 import weakref
 from array import array
 from collections import deque
+from collections.abc import Callable
 from typing import Any, Literal, NamedTuple
 
 from . import _native
 from ._native import ERR_ARGUMENT, ERR_WIRE, WIRES, EncoderError, Medium, checked, encoded, octets, whole, within
 from .canbus import CanBus, CanPort
-from .clock import LEAD_NS, NEVER, SECOND_NS, SECONDS_MAX, Clock, seconds_of
+from .clock import LEAD_NS, NEVER, SECOND_NS, SECONDS_MAX, Clock
 from .clocked import Biss, Clocked, Level, Ssi
 from .control import ScpiError, split
+from .course import Course
 from .instrument import Instrument, power_word
 from .model import Model, Word, find_model
 from .ring import Ring
@@ -89,13 +91,15 @@ class Encoder(Instrument):
         self._ffi, self._lib = _native.load()
         self._closed = False
         self._model = found = model if isinstance(model, Model) else find_model(model)
-        wire = self._lib.dg_host_wire_of(found.device)
-        size = self._lib.dg_host_size(found.device, wire)
-        self._keep, place = _native.aligned(size)
-        self._handle: Any = self._lib.dg_host_init(place, size, found.device, wire)
-        self._lib.dg_host_take_side(self._handle, self._lib.dg_bus_side_of(found.device))
+        self._handle: Any = found.handle
+        if found.handle is None:
+            side = self._lib.dg_bus_side_of(found.device)
+            size = self._lib.dg_host_size_on_bus(found.device, side)
+            self._keep, place = _native.aligned(size)
+            self._handle = self._lib.dg_host_init_on_bus(place, size, found.device, side)
         self._panel: Any = None
         self._ring: Any = None  # of several, which it stands in
+        self._back: list[bytes] = []  # what has come back, in a ring of its own
         self._levels: deque[Level] | None = None  # of its line, where somebody watches
         self._place: int | None = None  # on its wire, from the first power-on
         self._deadline = NEVER
@@ -165,21 +169,14 @@ class Encoder(Instrument):
             checked(self._lib.dg_host_power(self._host, now - LEAD_NS, True), f"{self.model} on")
             self._made = True
             self._step(now)
-            self._forget_told()
             self._attach()
 
-    def _forget_told(self) -> None:
-        """What it has said so far nobody hears."""
-        event = self._ffi.new("struct dg_host_event *")
-        while self._lib.dg_host_receive(self._host, event) != 0:
-            pass
-
-    def _tell_levels(self) -> None:
-        """Clocked lines: to who watches the line."""
-        assert self._levels is not None
-        event = self._ffi.new("struct dg_host_event *")
-        while self._lib.dg_host_receive(self._host, event) > 0:
-            self._levels.append(Level(seconds_of(event.at), event.data[0] != 0))
+    def _listen(self, heard: Callable[[Any], None]) -> None:
+        """Have it called with what the encoder says, unless a bus hears that."""
+        if self._ring is None:
+            form = "void(void *, const struct dg_host_event *)"
+            self._heard = self._ffi.callback(form, lambda _, event: heard(event))
+            self._lib.dg_host_listen(self._host, self._heard, self._ffi.NULL)
 
     def _attach(self) -> None:
         """From now on its wire lets it live."""
@@ -217,8 +214,6 @@ class Encoder(Instrument):
         else:
             self._deadline = self._lib.dg_host_step(self._host, now)
         if self.medium is Medium.EDGES:  # some of these have hints
-            if self._levels is not None:
-                self._tell_levels()
             self._tell(now)
             self._deadline = min(self._deadline, int(self._hint_due[0]))
 
@@ -283,11 +278,6 @@ class Encoder(Instrument):
         to = self._ffi.new("char[]", TEXT)
         checked(self._lib.dg_host_get(self._host, encoded(key, "setting"), to, TEXT), f"{self.model}: {key}")
         return str(self._ffi.string(to).decode())
-
-    def _address_key(self) -> str | None:
-        """The setting that is its address on a wire; None: it has none there."""
-        key = self._lib.dg_host_address_key(self._host)
-        return None if key == self._ffi.NULL else str(self._ffi.string(key).decode())
 
     def _key(self, name: str) -> Any:
         """A setting as the library describes it; None: there is no such one."""
@@ -394,12 +384,6 @@ class Encoder(Instrument):
         checked(self._lib.dg_host_world_get(self._host, encoded(name, "quantity"), to), f"{self.model}: {name}")
         return int(to[0])
 
-    def _limits(self, name: str) -> tuple[int, int]:
-        """What a quantity can be, in the parts that the library counts."""
-        self._sensed(name)  # it may not sense it
-        key = self._key(name)
-        return int(key.min), int(key.max)
-
     def _sense(self, name: str, value: int) -> None:
         with self.clock.lock:
             self.clock._sync()
@@ -410,6 +394,16 @@ class Encoder(Instrument):
         now = self._enter(self.clock._ns)
         checked(self._lib.dg_host_world_set(self._host, now, name.encode(), value), f"{self.model}: {name}")
         self._changed()
+
+    def _follow(self, course: Course, now: int | None) -> None:
+        """Let its panel go along a course from now on, in front of which its faults are; None: no longer."""
+        lib, panel = self._lib, self._with_panel()
+        rig, encoder = lib.dg_host_panel_rig(panel), lib.dg_host_panel_encoder(panel)
+        if now is None:
+            lib.dg_rig_unfollow(rig, encoder, course._of_rig.quantity)
+        else:
+            checked(lib.dg_rig_follow(rig, encoder, course._of_rig, now), f"{self.model}: a course")
+            self._changed()
 
     # ------------------------------------------------------------ looks
 

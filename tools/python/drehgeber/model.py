@@ -15,10 +15,11 @@ Word = Union[str, "os.PathLike[str]"]
 
 
 class Model(NamedTuple):
-    """A struct dg_device, and what it lies in, which lasts as long as encoders have it."""
+    """A struct dg_device, and what it lies in, which lasts as long as encoders have it. It may have a handle already."""
 
     device: Any
     keep: Any
+    handle: Any = None
 
     @property
     def name(self) -> str:

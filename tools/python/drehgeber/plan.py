@@ -3,14 +3,14 @@
 
 from __future__ import annotations
 
+import contextlib
 import errno
-import functools
 import os
 import re
 import stat
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path, PurePosixPath
-from typing import Any, NamedTuple, TypeVar
+from typing import Any
 
 from ._native import EncoderError, aligned, load, raw, reason_of, text_of
 
@@ -20,14 +20,6 @@ FILES_MAX = 4096  # characters of the names of files that include each other
 
 # Words that name other files.
 FILES = re.compile(rb"include|\.eds|\.dcf", re.I)
-
-T = TypeVar("T")
-
-
-class Word(NamedTuple):
-    key: str
-    value: str
-    line: int
 
 
 def read_below(folder: Path, name: str, most: int) -> bytes:
@@ -66,8 +58,7 @@ class Plan:
             setup.memory_size = size
             result = lib.dg_plan_read(self.rows, setup, wrong)
             size *= 2
-        if result != 0:
-            raise EncoderError(self._refusal(wrong))
+        self.require(result == 0, wrong)
         self.name = text_of(self.rows.name)
 
     def _kept(self, data: bytes) -> Any:
@@ -90,15 +81,10 @@ class Plan:
         """None: it is not there."""
         return None if pointer == self._ffi.NULL else text_of(pointer)
 
-    def each(self, list: str, count: str) -> Iterator[Any]:
-        """All rows of a list."""
-        rows = getattr(self.rows, list)
-        return (rows[index] for index in range(getattr(self.rows, count)))
-
-    def words(self, settings: Any) -> list[Word]:
-        """Settings of an encoder, or of a wire."""
-        rows = (settings.list[index] for index in range(settings.count))
-        return [Word(text_of(row.key), text_of(row.value), row.line) for row in rows]
+    def each(self, kind: str) -> Iterator[Any]:
+        """All rows of shafts, wires or encoders."""
+        rows = getattr(self.rows, f"{kind}s")
+        return (rows[index] for index in range(getattr(self.rows, f"{kind}_count")))
 
     # ------------------------------------------------------------ where things stand
 
@@ -114,32 +100,21 @@ class Plan:
         self._lib.dg_plan_say_files(self.rows, line, text)
         return f"{text_of(to)}:{self._lib.dg_plan_place(self.rows, line).line}"
 
-    def told(self, section: str, line: int, make: Callable[[], T]) -> T:
-        """What `make` makes of a word; its error says where that stands."""
+    @contextlib.contextmanager
+    def told(self, section: str, line: int) -> Iterator[None]:
+        """What is wrong in the block is told with the place of a word."""
         try:
-            return make()
+            yield
         except EncoderError as error:
             raise EncoderError(f"{self._place(line)}: [{section}]: {error}", error.code) from None
 
-    def check_wire(self, section: str, wire: Any) -> None:
-        """What a wire's own settings can be, also where nobody makes the wire."""
-        for word in self.words(wire.settings):
-            self.told(section, word.line, functools.partial(self._check, wire.kind.keys, word))
-
-    def _check(self, keys: Any, word: Word) -> None:
-        ffi, lib = self._ffi, self._lib
-        row = lib.dg_keys_find(keys, word.key.encode())
-        to = ffi.new("uint64_t[]", row.offset // 8 + 1)
-        if lib.dg_key_set(row, to, raw(word.value, word.key)) != 0:
-            right = f"a number in {row.min}..{row.max} {text_of(row.unit)}".rstrip()
-            if row.words != ffi.NULL:
-                right = " or ".join(text_of(row.words[index]) for index in range(row.max + 1))
-            raise EncoderError(f"{word.key}={word.value}: expected {right}")
-
-    def _refusal(self, wrong: Any) -> str:
-        """FILE:LINE: KEY: what; right"""
+    def require(self, right: bool, wrong: Any) -> None:
+        """Else FILE:LINE: KEY: what; right"""
+        if right:
+            return
         key, value = text_of(wrong.key), text_of(wrong.value)
         file = text_of(wrong.included) or self.word(wrong.file)
         place = f"{file}:{wrong.line}: " if file and wrong.line else ""
-        about = f"{key}{f' {value}' if wrong.valued else ''}: " if key else ""
-        return f"{place}{about}{reason_of(wrong)}"
+        between = "=" if wrong.valued == self._lib.DG_PLAN_SETTING else " "
+        about = f"{key}{f'{between}{value}' if wrong.valued else ''}: " if key else ""
+        raise EncoderError(f"{place}{about}{reason_of(wrong)}")

@@ -68,8 +68,9 @@ class Ring:
             raise EncoderError("an encoder stands in a ring once")
         self._encoder = encoder = members[0]
         self._event = encoder._ffi.new("struct dg_host_event *")
-        self._data = encoder._ffi.buffer(self._event.data)
         self._bus: _Bus | None = None
+        if not several:
+            encoder._listen(lambda event: encoder._back.append(encoder._ffi.buffer(event.data, event.length)[:]))
         if several:
             if any(one.clock is not encoder.clock for one in members):
                 raise EncoderError("encoders of a ring go by the same clock")
@@ -84,15 +85,16 @@ class Ring:
         encoder, event = self._encoder, self._event
         with encoder.clock.lock:
             now = encoder.clock._sync()
-            while encoder._lib.dg_host_receive(encoder._host, event) != 0:
-                pass
+            if not encoder._lib.dg_host_made(encoder._host):
+                checked(encoder._lib.DG_HOST_ERR_STATE, "a cycle")
             event.at, event.id, event.flags, event.length = now, out, flags, 0
             event.kind = encoder._lib.DG_HOST_WORDS
-            checked(encoder._lib.dg_host_send(encoder._host, event), "a cycle")
+            encoder._back.clear()
+            encoder._lib.dg_host_feed(encoder._host, event)
             encoder._run(now)
-            if encoder._lib.dg_host_receive(encoder._host, event) != 1:
+            if not encoder._back:
                 raise EncoderError(f"{encoder.model}: nothing comes back", encoder._lib.DG_HOST_ERR_SILENT)
-            return bytes(self._data[: event.length])
+            return encoder._back[0]
 
     def _cycle_alone(self, words: Sequence[int]) -> tuple[int, ...]:
         out = 0

@@ -68,6 +68,14 @@ def read_points(path: Path, line: str = "time_s,angle_deg") -> list[tuple[Decima
     return points
 
 
+def replay_points(points: Iterable[tuple[float | Decimal, float | Decimal]]) -> tuple[Any, Any]:
+    """Straight lines between points (seconds, degrees) as a motion, and what it borrows."""
+    ffi, lib = _native.load()
+    rows = [{"at": round(within(at, 0, SECONDS_MAX, "seconds") * SECOND_NS), "angle": angle_of(degrees)} for at, degrees in points]
+    kept = ffi.new("struct dg_motion_point[]", rows)
+    return ffi.new("struct dg_motion *", {"kind": lib.DG_MOTION_REPLAY, "points": kept, "point_count": len(rows)}), kept
+
+
 class Shaft:
     """A shaft that encoders sit on, or that drives others: `Shaft(clock, "60RPM")`, or geared,
     `Shaft(driver=motor, ratio=(1, 10))`: one turn for ten of the motor. Angles are degrees, speeds rpm,
@@ -84,7 +92,7 @@ class Shaft:
         self._ffi, self._lib = _native.load()
         self.clock: Clock = clock or (driver.clock if driver else Clock())
         self._c = self._ffi.new("struct dg_shaft *")
-        self._points: list[Any] = []  # the library borrows them
+        self._kept: list[Any] = []  # what the library borrows
         self._driver = driver
         self._lib.dg_shaft_init(self._c)
         if driver is not None:
@@ -163,10 +171,9 @@ class Shaft:
 
     def replay(self, points: Iterable[tuple[float | Decimal, float | Decimal]]) -> None:
         """Straight lines between points (seconds from now on, degrees)."""
-        rows = [{"at": round(within(at, 0, SECONDS_MAX, "seconds") * SECOND_NS), "angle": angle_of(degrees)} for at, degrees in points]
-        self._points.append(self._ffi.new("struct dg_motion_point[]", rows))
-        members = {"kind": self._lib.DG_MOTION_REPLAY, "points": self._points[-1], "point_count": len(rows)}
-        self._play(self._ffi.new("struct dg_motion *", members), "points")
+        motion, kept = replay_points(points)
+        self._kept.append(kept)
+        self._play(motion, "points")
 
     def _play(self, motion: Any, text: str) -> None:
         self._command("play", f"motion {text!r}", self.clock._sync(), motion)

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from ._native import EncoderError, RangeError, aligned, checked, load
-from .clock import NEVER, Clock
+from .clock import LEAD_NS, NEVER, Clock
 
 if TYPE_CHECKING:
     from .encoder import Encoder
@@ -102,23 +102,35 @@ class Wire:
 
     def _build(self) -> None:
         """A bus for those that are on it, and for as many as there can be from the second time on."""
-        ffi, lib, placed = self._ffi, self._lib, self._placed
         if self._bus is not None and self._room < self.MOST:
             self._room = self.MOST
-        room = ROOM + ROOM_EACH * self._room
-        told = ffi.new("struct dg_bus_told[]", room)
-        self._queue.told, self._queue.room, self._queue.count = told, room, 0
-        self._most = room // 2
-        self._told = ffi.buffer(told)
-        self._row = self._told_as()
-        ops = ffi.cast("struct dg_bus_ops *", lib.dg_bus_queue_ops)
-        keep, self._bus = make_bus(self.MEDIUM, self._room, self._setup(), ops, self._queue)
-        self._keep = (keep, told)
+        self._keep, self._bus = make_bus(self.MEDIUM, self._room, self._setup(), *self._door(self._room))
         self._look_on()
-        self._placed = []
+        placed, self._placed = self._placed, []
         for one in placed:
             self._attach(one)
             self._control(one)
+
+    def _door(self, encoders: int) -> tuple[Any, Any]:
+        """Operations of a bus with so many, and what they are called with."""
+        self._room, room = encoders, ROOM + ROOM_EACH * encoders
+        self._rows = self._ffi.new("struct dg_bus_told[]", room)
+        self._queue.told, self._queue.room, self._queue.count = self._rows, room, 0
+        self._most = room // 2
+        self._told = self._ffi.buffer(self._rows)
+        self._row = self._told_as()
+        return self._ffi.cast("struct dg_bus_ops *", self._lib.dg_bus_queue_ops), self._queue
+
+    def _open(self, bus: Any, keep: Any) -> None:
+        """There is a bus with all encoders of this wire, which got their power a second ago. What they said meanwhile nobody
+        has heard."""
+        self._keep, self._bus, self._placed = keep, bus, list(self._encoders)
+        for place, one in enumerate(self._placed):
+            one._place = place
+            self._lib.dg_bus_changed(bus, place, self.clock._ns - LEAD_NS)
+        self._lib.dg_bus_step(bus, self.clock._ns)
+        self._queue.count = 0
+        self._look_on()
 
     def _look_on(self) -> None:
         """What is only looked at is told if somebody looks."""

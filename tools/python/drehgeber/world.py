@@ -8,7 +8,7 @@ from decimal import Decimal
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Generic, TypeVar, overload
 
-from ._native import EncoderError, within
+from ._native import EncoderError, load, within
 from .clock import SECOND_NS, SECONDS_MAX
 from .course import Course
 from .shaft import read_points
@@ -44,22 +44,22 @@ class Quantity(Generic[T]):
         return self._kind(world._encoder._sensed(self._name) / self._parts)
 
     def __set__(self, world: World, value: float) -> None:
-        counts = self._counts(value, self._limits(world._encoder))
+        world._encoder._sensed(self._name)
+        counts = self._counts(value, self._limits())
         world.stop(self._name)
         world._encoder._sense(self._name, counts)
 
-    def _limits(self, encoder: Encoder) -> tuple[float, float]:
-        low, high = encoder._limits(self._name)
-        return low / self._parts, high / self._parts
+    def _limits(self) -> tuple[float, float]:
+        ffi, lib = load()
+        row = lib.dg_keys_find(ffi.addressof(lib.dg_world_keys), self._name.encode())
+        return row.min / self._parts, row.max / self._parts
 
     def _counts(self, value: float | Decimal, limits: tuple[float, float]) -> int:
         return round(within(value, *limits, self._name) * self._parts)
 
-    def _points(
-        self, encoder: Encoder, course: str | Path | Iterable[tuple[float | Decimal, float | Decimal]]
-    ) -> list[tuple[int, int]]:
+    def _points(self, course: str | Path | Iterable[tuple[float | Decimal, float | Decimal]]) -> list[tuple[int, int]]:
         """Nanoseconds and counts, all of which can be; what a file has more of is cut."""
-        limits = self._limits(encoder)
+        limits = self._limits()
         if isinstance(course, (str, Path)):
             rows = read_points(Path(course), f"time_s,{self._name}")
             course = [(_cut(at, SECOND_NS), _cut(value, self._parts)) for at, value in rows]
@@ -94,21 +94,17 @@ class World:
         self._encoder = encoder
         self._courses: dict[str, Course] = {}
 
-    @classmethod
-    def senses(cls, name: str) -> bool:
-        """Whether some encoder senses what is called so."""
-        return isinstance(getattr(cls, name, None), Quantity)
-
     def _quantity(self, name: str) -> Quantity[Any]:
-        if not self.senses(name):
+        quantity = getattr(type(self), name, None)
+        if not isinstance(quantity, Quantity):
             raise EncoderError(f"no encoder senses {name!r}")
-        quantity: Quantity[Any] = getattr(type(self), name)
+        self._encoder._sensed(name)
         return quantity
 
     def begin(self, name: str, course: str | Path | Iterable[tuple[float, float]]) -> None:
         """An encoder that has never been on gets its power with what the course is at 0."""
         quantity = self._quantity(name)
-        for at, counts in quantity._points(self._encoder, course):
+        for at, counts in quantity._points(course):
             if at == 0:
                 self._encoder.set(name, str(Decimal(counts) / quantity._parts))
 
@@ -125,7 +121,7 @@ class World:
         `steps` holds, as states always do; a step is two points at one moment. With `loop` the last point's
         moment is 0 of the next lap. Another course, assigning to the quantity, or stop() ends it."""
         quantity = self._quantity(name)
-        points = quantity._points(self._encoder, course)
+        points = quantity._points(course)
         clock = self._encoder.clock
         with clock.lock:
             clock._sync()
@@ -148,3 +144,5 @@ class World:
         with clock.lock:
             if course in clock._courses:
                 clock._courses.remove(course)
+            elif course is not None and course._put is None:
+                self._encoder._follow(course, None)

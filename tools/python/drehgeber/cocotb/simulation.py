@@ -14,11 +14,12 @@ from cocotb.task import Task
 from cocotb.triggers import Event, Timer
 from cocotb.types import Logic
 
-from .._native import EncoderError, checked
+from .._native import EncoderError, aligned, checked, load
 from ..canbus import CanBus
 from ..clock import LEAD_NS, NEVER, Clock
 from ..encoder import Encoder, Setting, SinCos
 from ..instrument import Instrument
+from ..model import Model, find_model
 from ..rs485 import Line
 from ..shaft import TURN, Shaft
 from ..world import World
@@ -134,6 +135,17 @@ def drive(pin: LogicObject | None, level: bool | Logic) -> None:
         pin.value = Logic(level)
 
 
+def queued(name: str) -> Model:
+    """A model with a handle that keeps what it says until somebody looks."""
+    found, (_, lib) = find_model(name), load()
+    wire = lib.dg_host_wire_of(found.device)
+    size = lib.dg_host_size(found.device, wire)
+    keep, place = aligned(size)
+    handle = lib.dg_host_init(place, size, found.device, wire)
+    lib.dg_host_take_side(handle, lib.dg_bus_side_of(found.device))
+    return Model(found.device, (found, keep), handle)
+
+
 class Served(Encoder):
     """An encoder in this process that says when it was looked after."""
 
@@ -186,7 +198,7 @@ class SimulatedEncoder(Instrument):
         if not isinstance(clock, SimulationClock):
             raise EncoderError("a shaft in a simulation goes by a SimulationClock")
         self._clock = clock
-        self._encoder = Served(model, clock=clock, shaft=shaft, power=power, memory=memory, **settings)
+        self._encoder = Served(queued(model), clock=clock, shaft=shaft, power=power, memory=memory, **settings)
         self._encoder._speaks(self.PROTOCOL)
         self._host, self._lib, self._ffi = self._encoder._host, self._encoder._lib, self._encoder._ffi
         self._event: Any = self._ffi.new("struct dg_host_event *")
