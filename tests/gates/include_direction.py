@@ -59,7 +59,7 @@ ROOMS = {
     "linux/rig":       {"motion"} | BELOW | WIRES,
     "hdl":             {"core", "motion", "host", "bus", "rig", "linux/base", "linux/nvm", "linux/plan"},
     "rp2040":          set(), # an image is an encoder with all that belongs to it
-    "web":             {"core", "devices", "host", "bus", "rig", "words"},
+    "web":             {"core", "control", "devices", "instruments", "host", "bus", "rig", "words"},
     "web/libc":        set(),
     "web/libc/sys":    set(),
     "fmu":             {"core", "devices", "host", "bus"},

@@ -47,7 +47,6 @@ export class BissMaster {
   // A frame, latched half a clock from now; `cdm` may be a function of CDS.
   frame(cdm = 0) {
     const { encoder, rig } = this;
-    encoder.drain();
     encoder.edges.length = 0;
     this.ma = [];
     this.now = rig.now;
@@ -87,12 +86,12 @@ export class BissMaster {
   }
 
   end(cdm, mark) {
-    const { c, host } = this.encoder;
+    const { c, bus } = this.encoder;
     this.edge(HALF, cdm ? 0 : 1);
     mark(`CDM ${cdm}`);
-    const due = unsigned(c.dg_host_step(host, this.now));
+    const due = unsigned(c.dg_bus_step(bus, this.now));
     this.now = due === NEVER ? this.now : due;
-    c.dg_host_step(host, this.now);
+    c.dg_bus_step(bus, this.now);
     this.edge(HALF, 1);
     mark("idle");
     this.now += HALF;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The module of WebAssembly: its memory, its texts, and the function it asks of the page.
+// The module of WebAssembly: its memory, its texts, and the functions it asks of the page.
 
 const PAGE = 65536;
 const ALIGN = 16;
@@ -12,8 +12,12 @@ export class Engine {
   static async load(bytes) {
     const engine = new Engine();
     const page = {
-      line: (wire, at, ours, severity, text) =>
-        engine.line(wire, { at: BigInt.asUintN(64, at), ours: ours !== 0, severity: SEVERITIES[severity], words: engine.text(text) }),
+      line: (wire, at, ours, severity, text) => {
+        const said = [wire, wire + 4].map((word) => engine.view.getUint32(word, true));
+        const line = { at: BigInt.asUintN(64, at), ours: ours !== 0, severity: SEVERITIES[severity], words: engine.text(text) };
+        engine.line(wire, { ...line, bytes: engine.bytes(...said).slice() });
+      },
+      level: (wire, at, level) => engine.level(wire, { at: BigInt.asUintN(64, at), level }),
     };
     const { instance } = await WebAssembly.instantiate(bytes, { page });
     engine.c = instance.exports;
@@ -22,8 +26,10 @@ export class Engine {
     return engine;
   }
 
-  // A line {at, ours, severity, words} of a wire; who makes the wires sets this.
+  // A line {at, ours, severity, bytes, words} of a wire, and an edge {at, level} of its data; who makes the wires sets these.
   line() {}
+
+  level() {}
 
   get view() {
     const { buffer } = this.c.memory;

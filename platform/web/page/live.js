@@ -2,7 +2,7 @@
 // A rig that runs elsewhere, over WebSockets: lines of SCPI go there, lines of answers come back. What is known of it is
 // what was answered last; the shaft turns on between answers as it was told to turn.
 import { SINCOS } from "./figures.js";
-import { TURN, unhex } from "./parts.js";
+import { TURN, catalogueOf, degrees, stateOf, unhex, unitsOf } from "./parts.js";
 
 const ROUND_MS = 200;
 const RETRY_MS = 1000;
@@ -14,20 +14,6 @@ const CLOSED = { token: 4001 };
 // Two answers that stand before everything else, so that what a line of somebody else answers is not taken for them.
 const FIRST = "SYST:VERS?;VERS?;";
 const MARK = "1999.0;1999.0;";
-
-// Answers of a line: units with `;` between them, of items with `,` between them; strings without their quotes.
-export function parts(line) {
-  const units = [[]];
-  for (const [, quoted, plain, end] of line.matchAll(/(?:"((?:[^"]|"")*)"|([^,;]*))(;|,|$)/g)) {
-    units.at(-1).push(quoted === undefined ? plain : quoted.replaceAll('""', '"'));
-    if (end === ";") {
-      units.push([]);
-    } else if (end === "") {
-      break;
-    }
-  }
-  return units;
-}
 
 // A connection. Answers come in the order of the questions.
 class Line {
@@ -74,13 +60,13 @@ class Line {
   // A line of queries. @return its units
   async query(queries) {
     const [line] = await this.ask(`${FIRST}:${queries}`);
-    return parts(line).slice(2);
+    return unitsOf(line).slice(2);
   }
 
   // @return {said, errors}
   async command(...lines) {
     const said = await this.ask(...lines, `${FIRST}:SYST:ERR:ALL?`);
-    const [list] = parts(said.pop()).slice(2);
+    const [list] = unitsOf(said.pop()).slice(2);
     const errors = [];
     for (let i = 0; i + 1 < list.length; i += 2) {
       if (Number(list[i]) !== 0) {
@@ -100,7 +86,7 @@ class LiveEncoder {
   }
 
   take(state) {
-    this.state = Object.fromEntries(state.map((word) => word.split(/=(.*)/s)));
+    this.state = stateOf(state);
     const { sin_plus_uv: sin, sin_minus_uv: sinLow, cos_plus_uv: cos, cos_minus_uv: cosLow } = this.state;
     if (!this.powered) {
       this.samples = [];
@@ -126,12 +112,6 @@ class LiveEncoder {
     this.catalogue.forEach((fault) => {
       fault.active = names.includes(fault.name);
     });
-  }
-
-  takeCatalogue(items) {
-    for (let i = 0; i + 4 < items.length; i += 5) {
-      this.catalogue.push({ name: items[i], cause: items[i + 2], effect: items[i + 3], active: false });
-    }
   }
 
   fault(name, on) {
@@ -241,7 +221,7 @@ export class LiveRig {
     const [state, active] = await line.query(`${select}STAT?;:FAUL:ACT?`);
     shown.take(state);
     if (shown.catalogue.length === 0) {
-      shown.takeCatalogue((await line.query(`${select}FAUL:CAT?`))[0]);
+      shown.catalogue = catalogueOf((await line.query(`${select}FAUL:CAT?`))[0]);
     }
     if (told === shown.told) {
       shown.takeActive(active);
@@ -309,8 +289,8 @@ export class LiveRig {
     if (this.watches) {
       return;
     }
-    const degrees = (Number(BigInt.asIntN(64, angle)) * 360) / Number(TURN);
-    Object.assign(this, { heard: performance.now(), turned: { degrees, rpm: 0 }, wanted: degrees });
+    const wanted = degrees(angle);
+    Object.assign(this, { heard: performance.now(), turned: { degrees: wanted, rpm: 0 }, wanted });
     this.held++;
     if (!this.placing) {
       this.placing = this.follow().finally(() => {
@@ -337,8 +317,7 @@ export class LiveRig {
   }
 
   move(angle, rpm) {
-    const degrees = (Number(BigInt.asIntN(64, angle)) * 360) / Number(TURN);
-    this.tell(this.shown, `SHAF:MOVE ${degrees.toFixed(6)} DEG,${rpm} RPM`);
+    this.tell(this.shown, `SHAF:MOVE ${degrees(angle).toFixed(6)} DEG,${rpm} RPM`);
   }
 
   // ---------------------------------------------------------------- SCPI

@@ -3,8 +3,9 @@
 // `still` the clock stands, and the masters ask nothing by themselves; the console of the browser has `drehgeber.rig`.
 import { Engine } from "./engine.js";
 import { readLink, writeLink } from "./link.js";
-import { ENCODERS, rowOf } from "./masters.js";
-import { $, Page, angleOf, degrees } from "./page.js";
+import { ENCODERS, PLAYGROUND, rowOf } from "./masters.js";
+import { $, Page, angleOf } from "./page.js";
+import { degrees } from "./parts.js";
 import { Rig } from "./rig.js";
 import { Panel } from "./view.js";
 
@@ -55,7 +56,7 @@ const storage = {
 
 class Playground extends Page {
   constructor(engine, images) {
-    super(new Rig(engine, MODELS, images, (frame) => this.panelOf(frame.encoder)?.say(frame)));
+    super(new Rig(engine, PLAYGROUND, images, (frame) => this.panelOf(frame.encoder)?.say(frame)));
     this.link = {};
     this.guard(() => { this.link = readLink(location.hash); });
     this.runs = !this.link.still;
@@ -81,10 +82,9 @@ class Playground extends Page {
   }
 
   panel(encoder) {
-    const own = encoder.key === "own";
-    const row = own ? rowOf(encoder, this.rig.encoders) : ENCODERS.find(({ model }) => model === encoder.model);
+    const row = encoder.own ? rowOf(encoder, this.rig.encoders) : ENCODERS.find(({ model }) => model === encoder.model);
     encoder.master = row.master?.(encoder);
-    const options = { keep: own ? undefined : storage.put, about: row, master: row };
+    const options = { keep: encoder.own ? undefined : storage.put, about: row, master: row };
     return new Panel(encoder, (run) => this.guard(run), options);
   }
 
@@ -116,14 +116,14 @@ class Playground extends Page {
     super.refresh();
     this.showTries();
     this.panels.forEach((panel) => {
-      const late = panel.encoder.scpi("");
+      const late = panel.encoder.late;
       if (late) {
         this.answer(late);
       }
     });
   }
 
-  // A text that the user has put in becomes an encoder; the one before goes, unless the text is wrong.
+  // A text that the user has put in becomes encoders; those before go, unless the text is wrong.
   owns() {
     $("own").addEventListener("submit", (event) => {
       event.preventDefault();
@@ -133,20 +133,22 @@ class Playground extends Page {
 
   own(text) {
     $("own-wrong").hidden = true;
-    let encoder;
+    let encoders;
     try {
-      encoder = this.rig.own(text);
+      encoders = this.rig.own(text);
     } catch (error) {
       $("own-wrong").textContent = error.message;
       $("own-wrong").hidden = false;
       return;
     }
-    this.panels.filter(({ key }) => key === "own").forEach((panel) => this.removeTab(panel));
-    const panel = this.panel(encoder);
-    panel.asks = this.runs;
-    panel.repeat.checked = this.runs;
-    this.addTab(panel);
-    this.show(panel);
+    this.panels.filter(({ encoder }) => encoder.own).forEach((panel) => this.removeTab(panel));
+    const panels = encoders.map((encoder) => this.panel(encoder));
+    panels.forEach((panel) => {
+      panel.asks = this.runs;
+      panel.repeat.checked = this.runs;
+      this.addTab(panel);
+    });
+    this.show(panels[0]);
   }
 
   // The site has the pages above the page's folder, the tree above the build's. Elsewhere there are none.
@@ -176,8 +178,8 @@ class Playground extends Page {
       throw new Error(`fault=${unknown}: ${model} has no such fault; the list of faults has the names`);
     }
     this.panels.forEach(({ encoder }) => encoder.scpi("FAUL:CLE"));
-    this.turnTo(shaft);
     this.show(panel);
+    this.turnTo(shaft);
     fault.forEach((name) => panel.setFault(name, true));
     if (panel.encoder.powered !== power) {
       panel.switch(power);

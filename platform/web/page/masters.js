@@ -16,19 +16,20 @@ const CLOCKED = {
   forms: () => [],
 };
 
-// What is shown of an encoder that the user has put in: the master of its wire, with its own name.
+// What is shown of an encoder that the user has put in: the master of its wire, with its own name where it is not alone.
 export function rowOf(encoder, others) {
   const same = others.find(({ medium }) => medium === encoder.medium);
   const master = encoder.clocked ? CLOCKED : ENCODERS.find(({ model }) => model === same.model);
-  return { ...master, model: encoder.model, title: "Yours", name: encoder.model, what: `The encoder of your text: ${encoder.model}, ${encoder.what}.` };
+  const title = others.filter(({ own }) => own).length > 1 ? encoder.name : "Yours";
+  return { ...master, model: encoder.model, title, name: encoder.model, what: `The encoder of your text: ${encoder.model}, ${encoder.what}.` };
 }
 
-// Each encoder of the playground, in the order of the tabs: its model, what it is called, what is drawn of it (`drawing`,
-// of view.js), and what its master can do. `ask` is what is repeated, `look` tells of an error; a form is its fields, the
-// text of its button, and what is done with the fields' values; `master` makes one that has a state of its own.
+// Each encoder of the playground, in the order of the tabs: its model, its kind of wire, what it is called, what is drawn of
+// it (`drawing`, of view.js), and what its master can do. `ask` is what is repeated, `look` tells of an error; a form is its
+// fields, the text of its button, and what is done with the fields' values; `master` makes one that has a state of its own.
 export const ENCODERS = [
   {
-    model: "s3684-rs485",
+    model: "s3684-rs485", wire: "pty",
     title: "RS485", name: "S36", ...SINCOS, drawing: "sincos",
     what: "A Kübler S36 for servo motors: the drive asks for the position in bytes, then follows two voltages, sine and cosine.",
     ask: (e) => e.ask(0x42),
@@ -44,7 +45,7 @@ export const ENCODERS = [
     forms: (e) => [[[["Bytes", "40 42 02", "wide-field"]], "Send", (text) => e.request(unhex(text))]],
   },
   {
-    model: "s3684-biss",
+    model: "s3684-biss", wire: "sim",
     title: "BiSS-C", name: "S36", figure: "Lines of the latest frame", drawing: "lines",
     what: "A Kübler S36 for fast drives: the drive gives a clock and gets the position bit by bit, with a check sum.",
     drawn: "The drive's clock is MA; the encoder puts one bit on SLO for each of its pulses.",
@@ -65,7 +66,7 @@ export const ENCODERS = [
     ],
   },
   {
-    model: "f3668",
+    model: "f3668", wire: "slcan",
     title: "CANopen", name: "F36x8",
     what: "A Kübler F36x8 on a CAN bus, as in cranes and vehicles: many devices share two wires and send messages.",
     ask: (e) => e.sdoRead(0x6004, 0),
@@ -85,7 +86,7 @@ export const ENCODERS = [
     ],
   },
   {
-    model: "ocd-ib-k3",
+    model: "ocd-ib-k3", wire: "modbus",
     title: "INTERBUS", name: "OCD", figure: "Words of the latest cycle", drawing: "words",
     what: "A POSITAL OCD in a ring of devices: a controller shifts 32 bits through it and gets 32 bits back, again and again.",
     drawn: "The 32 bits that came back last.",
@@ -96,3 +97,7 @@ export const ENCODERS = [
     forms: (e) => [[[["OUT", "00000000", "wide-field"]], "Cycle with it", (out) => e.cycle(hexadecimal(out, "OUT"))]],
   },
 ];
+
+// The rig of the playground, as a rig file says it.
+export const PLAYGROUND = `[shaft shaft]\n${ENCODERS.map(({ model, wire }) =>
+  `[encoder ${model}]\nmodel = ${model}\nwire = ${wire}\n`).join("")}`;

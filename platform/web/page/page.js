@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: MIT
 // What the playground and the panel of a running rig share: shaft, prompt, and a part for each encoder. A rig is
 // {angle, speed, now, place(), turn(), accelerate(), move(), ask()}, and show() when only one encoder is followed.
-import { TURN, make } from "./parts.js";
+import { TURN, degrees, make } from "./parts.js";
 
 const REFRESH_MS = 200;
 
 export const $ = (id) => document.getElementById(id);
-export const degrees = (angle) => (Number(BigInt.asIntN(64, angle)) * 360) / Number(TURN);
 export const angleOf = (value) => BigInt(Math.round((value / 360) * Number(TURN)));
 
 export class Page {

@@ -3,6 +3,7 @@
 
 // Angles are 2^-32 turns, as BigInt.
 export const TURN = 1n << 32n;
+export const degrees = (angle) => (Number(BigInt.asIntN(64, angle)) * 360) / Number(TURN);
 
 export function make(tag, properties = {}, ...children) {
   const node = document.createElement(tag);
@@ -52,3 +53,26 @@ export function unhex(text) {
   }
   return Uint8Array.from(digits.match(/../g), (pair) => parseInt(pair, 16));
 }
+
+// What SCPI answers in a line: units with `;` between them, of items with `,` between them; strings without their quotes.
+export function unitsOf(line) {
+  const units = [[]];
+  for (const [, quoted, plain, end] of line.matchAll(/(?:"((?:[^"]|"")*)"|([^,;]*))(;|,|$)/g)) {
+    units.at(-1).push(quoted === undefined ? plain : quoted.replaceAll('""', '"'));
+    if (end === ";") {
+      units.push([]);
+    } else if (end === "") {
+      break;
+    }
+  }
+  return units;
+}
+
+// Items of STATe?.
+export const stateOf = (items) => Object.fromEntries(items.map((word) => word.split(/=(.*)/s)));
+
+// Items of FAULt:CATalog?: five for each fault.
+export const catalogueOf = (items) => Array.from({ length: Math.floor(items.length / 5) }, (_, i) => {
+  const [name, , cause, effect] = items.slice(5 * i);
+  return { name, cause, effect, active: false };
+});

@@ -1,86 +1,66 @@
 // SPDX-License-Identifier: MIT
-// Four encoders on one shaft, in virtual time: nothing happens but when advance() is called. Times are nanoseconds,
-// angles 2^-32 turns, both as BigInt. Layouts are those that host.h promises.
+// Encoders that are calculated here, in virtual time: rigs of the library's (page_rig.c), and what their masters ask. Nothing
+// happens but when advance() is called. Times are nanoseconds, angles 2^-32 turns, both as BigInt.
+import { catalogueOf, degrees, stateOf, unitsOf } from "./parts.js";
 
-const EVENT = { size: 32, at: 0, id: 8, kind: 14, length: 15, data: 16 };
-const FAULT = { size: 48, name: 0, cause: 32, effect: 36, active: 40 };
-const KIND = { bytes: 1, can: 2, edge: 4 };
-const MEDIUM = { characters: 0, frames: 1, edges: 2, words: 3 };
-// struct dg_host_frame.
+const MEDIUM = { characters: 0, edges: 2 };
+// struct dg_host_frame, as host.h promises.
 const FRAME = { end: 8, bits: 16, position: 24, count: 40, error: 41, warning: 42, good: 43 };
-// struct web_source of page_models.c, and memory for what is read: what is longer is asked for anew.
-const SOURCE = { text: 0, n: 4, memory: 8, size: 12, wrong: 16, all: 16 + 1024 };
-const READ_MIN = 1 << 18;
-const READ_MAX = 1 << 26;
-const RUN = 16;
+// The first words of struct web_encoder, page.h.
+const MEMBERS = ["host", "wireAt", "bus", "place", "shaft", "name", "what", "page", "prompt"];
+const WORD = 4;
+// Memory for a rig: one that needs more is made anew.
+const RIG_MIN = 1 << 19;
+const RIG_MAX = 1 << 26;
+const REQUEST_MAX = 270;
 const REPLY_NS = 100_000_000n;
 const ANSWER = 32768;
 const ERROR = "SYST:ERR?";
-// Queues have 64 events: no encoder says more than that in so short a time.
+// Masters look that often whether they go on.
 const STEP_NS = 5_000_000n;
 
 export const SECOND = 1_000_000_000n;
 
 export const unsigned = (value) => BigInt.asUintN(64, value);
+const isFine = (error) => /^[+]?0,/.test(error);
+const inDegrees = (angle) => `${degrees(angle).toFixed(9)} DEG`;
+
+// A file that is a model, and a rig of it; what is wrong is wrong in that file.
+const EDS_RIG = "[encoder own]\nmodel = text.eds\nwire = slcan\n";
+const EDS_PLACE = /^.*text\.eds(:\d+)?: /;
+const SECTION = { rig: /^[ \t]*\[encoder\s/im, model: /^[ \t]*\[model\s/im };
 
 export class Encoder {
-  constructor(rig, device, image) {
-    this.rig = rig;
-    this.engine = rig.engine;
-    this.c = rig.engine.c;
-    this.device = device;
-    this.model = this.engine.text(this.c.web_device_name(device));
-    this.what = this.engine.text(this.c.web_device_what(device));
-    this.words = this.engine.place(this.c.web_words_size(device));
-    this.c.web_words_init(this.words, device);
-    this.event = this.engine.place(EVENT.size);
-    this.faultAt = this.engine.place(FAULT.size);
-    this.raw = { true: [], false: [] };
-    this.waiting = [];
-    this.busyUntil = 0n;
-    this.edges = [];
-    this.make();
-    if (image && !this.starts(image)) {
-      this.refused = `${this.model} does not start with the EEPROM that was kept here: it is as delivered`;
-      this.make();
-    }
-    this.starts(null);
+  constructor(rig, at) {
+    const { engine } = rig;
+    Object.assign(this, { rig, engine, at, c: engine.c, waiting: [], busyUntil: 0n, edges: [] });
+    MEMBERS.forEach((name, i) => { this[name] = engine.view.getUint32(at + WORD * i, true); });
+    this.name = engine.text(this.name);
+    this.what = engine.text(this.what);
+    this.model = engine.text(this.c.dg_host_model(this.host));
+    this.key = engine.text(this.c.dg_host_protocol(this.host));
     this.medium = this.c.dg_host_medium(this.host);
-    this.key = this.engine.text(this.c.dg_host_protocol(this.host));
-    if (!Object.values(MEDIUM).includes(this.medium)) {
-      throw new Error(`${this.model} speaks ${this.key}: this page does not know its wire`);
-    }
-    this.c.dg_host_step(this.host, rig.now);
-    while (this.receive() !== null);
-    const size = this.c.dg_host_panel_size();
-    this.panel = this.c.dg_host_panel_make(this.engine.place(size), size, this.host);
-    if (this.medium === MEDIUM.words) {
-      this.ring = this.engine.place(this.c.web_ring_size());
-      this.c.web_ring_init(this.ring, this.words, this.host, this.panel);
-    }
-  }
-
-  make() {
-    const size = this.c.web_host_size(this.device);
-    this.host = this.c.web_host_make(this.engine.place(size), size, this.device);
-  }
-
-  // On for a second, with this image or, unless it is on, as delivered.
-  starts(image) {
-    if (image) {
-      const { scratch } = this.engine;
-      this.engine.bytes(scratch, image.length).set(image);
-      if (this.c.dg_host_memory_load(this.host, scratch, image.length) < 0) {
-        return false;
-      }
-    }
-    return this.powered || this.c.dg_host_power(this.host, this.rig.now - SECOND, 1) === 0;
+    this.catalogue = catalogueOf(unitsOf(this.scpi("FAUL:CAT?"))[0]);
   }
 
   get memory() {
     const n = this.c.dg_host_memory_size(this.host);
     this.engine.checked(this.c.dg_host_memory_copy(this.host, this.engine.scratch, n), "EEPROM");
     return this.engine.bytes(this.engine.scratch, n).slice();
+  }
+
+  // Go on with that EEPROM, or as delivered.
+  load(image) {
+    const fits = image.length === this.c.dg_host_memory_size(this.host);
+    this.power(false);
+    if (fits) {
+      this.engine.checked(this.c.dg_host_memory_load(this.host, this.put(image), image.length), "EEPROM");
+    }
+    this.power(true);
+    if (!fits || !this.powered) {
+      this.refused = `${this.model} does not start with the EEPROM that was kept here: it is as delivered`;
+      this.erase();
+    }
   }
 
   get clocked() {
@@ -96,6 +76,10 @@ export class Encoder {
     const [name] = this.engine.spell(key);
     this.engine.checked(this.c.dg_host_get(this.host, name, scratch, 256), key);
     return this.engine.text(scratch);
+  }
+
+  get node() {
+    return Number(this.setting("node"));
   }
 
   get position() {
@@ -116,48 +100,10 @@ export class Encoder {
 
   // ---------------------------------------------------------------- the wire
 
-  write({ at, id = 0, kind, data }) {
-    const { view } = this.engine;
-    this.engine.bytes(this.event, EVENT.size).fill(0);
-    view.setBigUint64(this.event + EVENT.at, at, true);
-    view.setUint32(this.event + EVENT.id, id, true);
-    view.setUint8(this.event + EVENT.kind, kind);
-    view.setUint8(this.event + EVENT.length, data.length);
-    this.engine.bytes(this.event + EVENT.data, data.length).set(data);
-  }
-
-  send(event, about) {
-    this.write(event);
-    this.engine.checked(this.c.dg_host_send(this.host, this.event), about);
-  }
-
-  // What the encoder has said, or null; the event itself stays in memory for its words.
-  receive() {
-    if (this.c.dg_host_receive(this.host, this.event) <= 0) {
-      return null;
-    }
-    const { view } = this.engine;
-    const length = view.getUint8(this.event + EVENT.length);
-    return {
-      at: view.getBigUint64(this.event + EVENT.at, true),
-      id: view.getUint32(this.event + EVENT.id, true),
-      kind: view.getUint8(this.event + EVENT.kind),
-      data: this.engine.bytes(this.event + EVENT.data, length).slice(),
-    };
-  }
-
-  uart() {
-    const at = this.engine.scratch;
-    this.engine.checked(this.c.dg_host_uart(this.host, at), "the line");
-    return { at, characterNs: unsigned(this.c.dg_host_uart_ns(at, 1)) };
-  }
-
-  decodeUart(ours, data) {
-    if (this.powered) {
-      const { at } = this.uart();
-      this.raw[ours].push(...data);
-      this.c.web_words_uart(this.words, this.event, ours ? 1 : 0, at);
-    }
+  // Bytes for one call.
+  put(bytes) {
+    this.engine.bytes(this.engine.scratch, bytes.length).set(bytes);
+    return this.engine.scratch;
   }
 
   // RS485: a frame as it is; requests wait for each other's reply.
@@ -165,18 +111,14 @@ export class Encoder {
     if (!this.powered) {
       return;
     }
+    if (bytes.length > REQUEST_MAX) {
+      throw new Error(`${bytes.length} bytes: expected at most ${REQUEST_MAX}`);
+    }
     if (this.rig.now < this.busyUntil) {
       this.waiting.push(bytes);
       return;
     }
-    const { characterNs } = this.uart();
-    for (let done = 0; done < bytes.length; done += RUN) {
-      const data = bytes.slice(done, done + RUN);
-      const at = this.rig.now + BigInt(done) * characterNs;
-      this.send({ at, id: Number(characterNs), kind: KIND.bytes, data }, "the request");
-      this.decodeUart(false, data);
-    }
-    this.busyUntil = this.rig.now + BigInt(bytes.length) * characterNs + REPLY_NS;
+    this.busyUntil = REPLY_NS + unsigned(this.c.web_request(this.at, this.rig.now, this.put(bytes), bytes.length));
   }
 
   // RS485: address, command and data, with the check sum behind them.
@@ -187,9 +129,7 @@ export class Encoder {
 
   // CANopen: a frame of the master.
   frame(id, data) {
-    this.send({ at: this.rig.now, id, kind: KIND.can, data }, "the frame");
-    this.raw.false.push(...data);
-    this.c.web_words_can(this.words, this.event, 0);
+    this.c.web_frame(this.at, this.rig.now, id, this.put(data), data.length);
     this.rig.advance(0n);
   }
 
@@ -199,24 +139,21 @@ export class Encoder {
 
   // INTERBUS: a data cycle; the bytes of IN, or null. A quiet one is told by the next that is not.
   cycle(out, quiet = false) {
-    if (!this.c.web_ring_cycle(this.ring, this.rig.now, out >>> 0, quiet ? 0 : 1)) {
+    const { scratch } = this.engine;
+    const count = this.c.web_cycle(this.at, this.rig.now, out >>> 0, quiet ? 0 : 1, scratch);
+    if (count < 0) {
       if (!quiet) {
         this.note("no data in this cycle", false, "error");
       }
       return null;
     }
-    this.lastIn = this.ringBytes();
+    this.lastIn = this.engine.bytes(scratch, count).slice();
     this.lastOut = out;
     return this.lastIn;
   }
 
-  ringBytes() {
-    const { scratch } = this.engine;
-    return this.engine.bytes(scratch, this.c.web_ring_in(this.ring, scratch)).slice();
-  }
-
   identify() {
-    const id = this.c.web_ring_identify(this.ring, this.rig.now);
+    const id = this.c.web_identify(this.at, this.rig.now);
     if (id < 0) {
       this.note("no ID cycle", true, "error");
       return null;
@@ -238,46 +175,26 @@ export class Encoder {
     const position = view.getBigUint64(scratch + FRAME.position, true);
     const end = view.getBigUint64(scratch + FRAME.end, true);
     this.note([`position ${position}`, ...told].join(", "), true, error || !good ? "error" : warning ? "warning" : "ok");
+    this.c.dg_bus_changed(this.bus, this.place, end);
     this.rig.advance(end > this.rig.now ? end - this.rig.now : 0n);
     return this.lastBits;
   }
 
   // BiSS: the clock at a level from then on.
   clock(at, level) {
-    return this.engine.checked(this.c.dg_host_clock(this.host, at, level), "the clock");
+    return this.c.dg_bus_edge(this.bus, at, level);
   }
 
   note(words, ours, severity) {
-    this.rig.heard({ encoder: this, at: this.rig.now, ours, severity, bytes: [], words });
+    this.said({ at: this.rig.now, ours, severity, bytes: [], words });
   }
 
   // A line of what goes over the wire.
   said(line) {
-    const bytes = this.ring && line.ours ? this.ringBytes() : this.raw[line.ours].splice(0);
-    this.rig.heard({ encoder: this, bytes, ...line });
+    this.rig.heard({ encoder: this, ...line });
     if (line.ours && this.medium === MEDIUM.characters) {
       this.busyUntil = this.rig.now;
     }
-  }
-
-  drain() {
-    for (let event = this.receive(); event !== null; event = this.receive()) {
-      if (event.kind === KIND.bytes) {
-        this.decodeUart(true, event.data);
-      } else if (event.kind === KIND.can) {
-        this.raw.true.push(...event.data);
-        this.c.web_words_can(this.words, this.event, 1);
-      } else if (event.kind === KIND.edge) {
-        this.edges.push({ at: event.at, level: event.data[0] });
-      }
-    }
-  }
-
-  // Until then; what it says is told.
-  run(now) {
-    this.c.dg_host_panel_step(this.panel, now);
-    this.drain();
-    this.c.web_words_step(this.words, now);
   }
 
   later() {
@@ -289,39 +206,43 @@ export class Encoder {
   // ---------------------------------------------------------------- faults and SCPI
 
   faults() {
-    const at = this.faultAt;
-    const found = [];
-    while (this.c.dg_host_fault(this.panel, found.length, at) === 0) {
-      const { view } = this.engine;
-      found.push({
-        name: this.engine.text(at + FAULT.name),
-        cause: this.engine.text(view.getUint32(at + FAULT.cause, true)),
-        effect: this.engine.text(view.getUint32(at + FAULT.effect, true)),
-        active: view.getUint8(at + FAULT.active) === 1,
-      });
-    }
-    return found;
+    const [active] = unitsOf(this.scpi("FAUL:ACT?"));
+    return this.catalogue.map((fault) => ({ ...fault, active: active.includes(fault.name) }));
   }
 
   fault(name, on) {
-    const [text] = this.engine.spell(name);
-    this.engine.checked(this.c.dg_host_fault_set(this.panel, this.rig.now, text, on ? 1 : 0), name);
+    this.tell(`FAUL:${on ? "SET" : "CLE"} ${name}`);
     this.rig.advance(0n);
   }
 
-  scpi(line) {
+  // A line in one of its two sessions, the page's and that of the prompt. @return what is answered; null: one before waits
+  talk(session, line) {
     const [text] = this.engine.spell(line);
     const { scratch } = this.engine;
-    this.engine.checked(this.c.dg_host_scpi(this.panel, this.rig.now, text, scratch, ANSWER), line);
-    const answer = this.engine.text(scratch);
-    this.drain();
-    return answer;
+    const waits = this.engine.checked(this.c.web_scpi(session, this.rig.now, text, scratch, ANSWER), line.trim());
+    return waits ? null : this.engine.text(scratch).replace(/\n$/, "");
   }
 
-  // STATe? as an object.
+  scpi(line) {
+    return this.talk(this.page, `${line}\n`);
+  }
+
+  // The same for a command that has to succeed.
+  tell(line) {
+    this.scpi(`*CLS;:${line}`);
+    const error = this.scpi(ERROR);
+    if (!isFine(error)) {
+      throw new Error(error);
+    }
+  }
+
+  // What the prompt is answered later.
+  get late() {
+    return this.talk(this.prompt, "");
+  }
+
   get state() {
-    const row = this.scpi("STAT?").replaceAll('"', "");
-    return Object.fromEntries(row.split(/[,\s]+/).map((word) => word.split("=")));
+    return stateOf(unitsOf(this.scpi("STAT?"))[0]);
   }
 
   power(on) {
@@ -336,70 +257,75 @@ export class Encoder {
     this.scpi("NVM:ERAS");
     this.scpi("POW ON");
   }
-
-  get node() {
-    return Number(this.setting("node"));
-  }
 }
 
 export class Rig {
-  // An encoder of each model; `images` are EEPROMs by model; `heard` is told of every frame {encoder, at, ours, severity, bytes, words}.
-  constructor(engine, models, images, heard) {
-    this.engine = engine;
-    this.c = engine.c;
-    this.now = SECOND;
-    this.heard = heard;
-    engine.line = (wire, line) => this.encoders.find((one) => one.words === wire).said(line);
-    this.encoders = [];
-    for (const model of models) {
-      const [name] = engine.spell(model);
-      this.encoders.push(new Encoder(this, this.c.web_device(name), images[model]));
-    }
-    // The first one's shaft is everybody's; theirs follow, so that SHAFt:POSition? is right at each of them.
-    this.shaft = this.c.dg_host_panel_shaft(this.encoders[0].panel);
-    this.encoders.slice(1).forEach((encoder) => this.couple(encoder));
+  // The rig of a text; `images` are EEPROMs by model; `heard` is told of every frame {encoder, at, ours, severity, bytes, words}.
+  constructor(engine, text, images, heard) {
+    Object.assign(this, { engine, c: engine.c, heard, now: 0n, encoders: [] });
+    engine.line = (wire, line) => this.on(wire).forEach((one) => one.said(line));
+    engine.level = (wire, edge) => this.on(wire).forEach((one) => one.edges.push(edge));
+    this.rigs = [this.make([text], 0, 0n)];
+    const encoders = this.encodersOf(this.rigs[0]);
+    encoders.filter(({ model }) => images[model]).forEach((one) => one.load(images[one.model]));
+    this.advance(SECOND); // nobody listens yet
+    this.encoders = encoders;
+    this.show(encoders[0]);
   }
 
-  couple(encoder) {
-    this.engine.checked(this.c.dg_shaft_couple(this.c.dg_host_panel_shaft(encoder.panel), this.shaft, 1, 1), "the shaft");
-  }
-
-  // The model of a text, or of an EDS file: what begins no [model] is one.
-  readModel(text) {
+  // A rig of the library, its encoders on the shaft of the `first` one, if that is not 0.
+  make(texts, first, begin) {
     const { engine } = this;
-    const bytes = new TextEncoder().encode(text);
-    const source = engine.place(SOURCE.all);
-    const at = engine.place(bytes.length);
-    const [name] = engine.spell(/^[ \t]*\[model\s/m.test(text) ? "text.ini" : "text.eds");
-    for (let size = READ_MIN; size <= READ_MAX; size *= 4) {
-      const memory = engine.place(size);
+    const list = engine.place(4 * WORD);
+    texts.forEach((text, i) => {
+      const bytes = new TextEncoder().encode(text);
+      const at = engine.place(bytes.length);
       engine.bytes(at, bytes.length).set(bytes);
-      [[SOURCE.text, at], [SOURCE.n, bytes.length], [SOURCE.memory, memory], [SOURCE.size, size]].forEach(
-        ([member, value]) => engine.view.setUint32(source + member, value, true));
-      const device = this.c.web_device_read(source, name);
-      const wrong = engine.text(source + SOURCE.wrong);
-      if (wrong) {
-        throw new Error(wrong);
+      engine.view.setUint32(list + 2 * WORD * i, at, true);
+      engine.view.setUint32(list + 2 * WORD * i + WORD, bytes.length, true);
+    });
+    for (let size = RIG_MIN; size <= RIG_MAX; size *= 4) {
+      const at = engine.place(size);
+      if (this.c.web_rig_make(at, size, list, first, begin) === 0) {
+        return at;
       }
-      if (device) {
-        return device;
+      const wrong = engine.text(at);
+      if (wrong) {
+        throw new Error(wrong.replace(EDS_PLACE, (_, line) => (line ? `line ${line.slice(1)}: ` : "")));
       }
     }
     throw new Error("too long for this page");
   }
 
-  // The user's encoder, in the place of the one before: on the same shaft from now on.
+  encodersOf(rig) {
+    const found = [];
+    for (let at = this.c.web_encoder(rig, 0); at !== 0; at = this.c.web_encoder(rig, found.length)) {
+      found.push(new Encoder(this, at));
+    }
+    return found;
+  }
+
+  // The user's encoders, in the place of those before: a text of models alone or an EDS file is one, on the same shaft from
+  // now on; a rig file has its own shafts.
   own(text) {
-    const encoder = new Encoder(this, this.readModel(text), null);
-    encoder.key = "own";
-    this.couple(encoder);
-    this.encoders = [...this.encoders.filter(({ key }) => key !== "own"), encoder];
+    const isRig = SECTION.rig.test(text);
+    const texts = isRig || SECTION.model.test(text) ? [text] : [EDS_RIG, text];
+    const guest = this.make(texts, isRig ? 0 : this.rigs[0], this.now - SECOND);
+    this.c.web_rig_step(guest, this.now);
+    const encoders = this.encodersOf(guest);
+    encoders.forEach((one, i) => Object.assign(one, { own: true, key: i === 0 ? "own" : `own-${i + 1}` }));
+    this.rigs = [this.rigs[0], guest];
+    this.encoders = [...this.encoders.filter(({ own }) => !own), ...encoders];
     this.advance(0n);
-    return encoder;
+    return encoders;
   }
 
   encoder(key) {
     return this.encoders.find((one) => one.key === key);
+  }
+
+  on(wire) {
+    return this.encoders.filter((one) => one.wireAt === wire);
   }
 
   // Time goes on for everybody.
@@ -407,49 +333,54 @@ export class Rig {
     const end = this.now + ns;
     do {
       const next = this.now + STEP_NS < end ? this.now + STEP_NS : end;
-      this.encoders.forEach((one) => one.run(next));
+      this.rigs.forEach((rig) => this.c.web_rig_step(rig, next));
       this.now = next;
       this.encoders.forEach((one) => one.later());
     } while (this.now < end);
   }
 
-  // ---------------------------------------------------------------- the shaft
+  // ---------------------------------------------------------------- the shaft of the encoder that is shown
+
+  show(encoder) {
+    this.shown = encoder;
+  }
 
   get angle() {
-    return this.c.dg_host_angle(this.encoders[0].host, this.now);
+    return this.c.dg_host_angle(this.shown.host, this.now);
   }
 
   // In rpm.
   get speed() {
-    return this.c.dg_shaft_mrpm(this.shaft, this.now) / 1000;
+    return this.c.dg_shaft_mrpm(this.shown.shaft, this.now) / 1000;
   }
 
   // Be there at rest.
   place(angle) {
-    this.c.dg_shaft_set_position(this.shaft, this.now, angle);
+    this.shown.tell(`SHAF:POS ${inDegrees(angle)}`);
     this.advance(0n);
   }
 
   accelerate(rpmPerS) {
-    const value = BigInt(Math.round(rpmPerS * 1000));
-    this.engine.checked(this.c.dg_shaft_set_acceleration(this.shaft, value), "the acceleration");
+    this.shown.tell(`SHAF:ACC ${rpmPerS.toFixed(3)} RPM/S`);
   }
 
   turn(rpm) {
-    this.engine.checked(this.c.dg_shaft_set_velocity(this.shaft, this.now, Math.round(rpm * 1000)), "the speed");
+    this.shown.tell(`SHAF:VEL ${rpm.toFixed(3)} RPM`);
   }
 
   move(angle, rpm) {
-    this.engine.checked(this.c.dg_shaft_move(this.shaft, this.now, angle, Math.round(rpm * 1000)), "the way");
+    this.shown.tell(`SHAF:MOVE ${inDegrees(angle)},${rpm.toFixed(3)} RPM`);
   }
 
-  // A line at the prompt: what is answered, and errors. SHAFt belongs to the first encoder, everything else to the one
-  // that is asked.
+  // A line at the prompt: what is answered, and errors.
   ask(encoder, line) {
-    const session = /^\s*:?shaf/i.test(line) ? this.encoders[0] : encoder;
-    const said = session.scpi(line);
+    const talk = (words) => encoder.talk(encoder.prompt, `${words}\n`);
+    const said = talk(line);
+    if (said === null) {
+      throw new Error("The line before is not done yet");
+    }
     const errors = [];
-    for (let error = session.scpi(ERROR); !/^[+]?0,/.test(error); error = session.scpi(ERROR)) {
+    for (let error = talk(ERROR); error !== null && !isFine(error); error = talk(ERROR)) {
       errors.push(error);
     }
     return { said: said ? [said] : [], errors };

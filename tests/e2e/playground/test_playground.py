@@ -380,6 +380,16 @@ def test_scpi(still):
     assert still.input_value("#line") == "NO:SUCH"
 
 
+def test_scpi_that_waits(still):
+    """A turn of 60 rpm takes a second; nothing else is done in the meantime."""
+    for line in ("SHAF:MOVE 1REV,60RPM;*OPC?", "SHAF:POS?"):
+        still.fill("#line", line)
+        still.press("#line", "Enter")
+    assert still.inner_text("#trouble") == "The line before is not done yet"
+    let_pass(still, 2_000_000_000)
+    still.wait_for_function("document.querySelector('#said').lastElementChild.textContent === '1'")
+
+
 def test_keys(still):
     """Tabs by arrows, the shaft by arrows."""
     still.focus("#tab-hiperface")
@@ -461,6 +471,18 @@ DataType=7
 DataType=7
 DefaultValue=3600
 """
+BENCH = """[shaft spindle]
+motion = 60RPM
+[bus line]
+wire = pty
+[encoder left]
+model = s3684-rs485
+bus = line
+[encoder right]
+model = s3684-rs485
+bus = line
+address = 0x41
+"""
 
 
 def put_in(page, text):
@@ -504,6 +526,25 @@ def test_an_eds_file_is_an_encoder(still):
     still.focus("#tab-own")
     still.keyboard.press("ArrowRight")
     assert still.get_attribute("#tab-hiperface", "aria-selected") == "true"
+
+
+def test_a_rig_file_runs(still):
+    """Both encoders of the line hear the request, and the dial is their shaft: 60 rpm, on for a second already."""
+    assert put_in(still, BENCH) is None
+    assert still.locator("#tabs [role=tab]").count() == len(PANELS) + 2
+    assert still.inner_text("#tab-own-2").startswith("right")
+    still.click("#tab-own-2")
+    let_pass(still, 250_000_000)
+    still.wait_for_function("document.getElementById('angle').textContent === '450.000°'")
+    press(still, "own-2", "42h position")
+    let_pass(still, 100_000_000)
+    for panel in ("own", "own-2"):
+        assert [line.inner_text()[:5] for line in still.locator(f"#panel-{panel} .log .bytes").all()] == ["41 42", "41 42"]
+    still.click("#tab-hiperface")
+    still.wait_for_function("document.getElementById('angle').textContent === '0.000°'")
+    assert put_in(still, BENCH.replace("0x41", "0x40")).startswith("line 11: address: 0x40 is address of [encoder left] already")
+    assert put_in(still, LA26) is None
+    assert still.locator("#tabs [role=tab]").count() == len(PANELS) + 1
 
 
 @pytest.mark.parametrize("text, wrong", [
@@ -601,6 +642,7 @@ def test_values_have_words_and_units(still):
     got = still.evaluate(facts)
     assert (got["sine +"], got["cosine +"], got["cosine −"]) == ("2.500 V", "2.750 V", "2.250 V")
     assert got["baud rate"] == "9600 Bd"
+    assert list(got)[:3] == ["mode", "errors", "position"]  # where its wire is, only a running rig can say
 
 
 def test_one_position_at_one_moment(visit, server):
