@@ -40,6 +40,7 @@ READY = [
     ("ready f3668 slcan:/dev/pts/5/63 a1", ("a1", "f3668", "slcan", "/dev/pts/5", 63)),
     ("ready f3668 slcan:tcp:127.0.0.1:29535/7 a", ("a", "f3668", "slcan", "tcp:127.0.0.1:29535", 7)),
     ("ready f3668 socketcand:127.0.0.1:29536,can0/7 a", ("a", "f3668", "socketcand", "127.0.0.1:29536,can0", 7)),
+    ("ready f3668 later:127.0.0.1:20000/5 a", ("a", "f3668", "later", "127.0.0.1:20000", 5)),
     ("ready s3684-rs485 rs485:rfc2217:127.0.0.1:2217 a", ("a", "s3684-rs485", "rs485", "rfc2217:127.0.0.1:2217", None)),
     ("ready f3668 silkit:silkit://127.0.0.1:8501,CAN1/7 a", ("a", "f3668", "silkit", "silkit://127.0.0.1:8501,CAN1", 7)),
     ("ready s3684-rs485 silkit:silkit://[::1]:8501,L a", ("a", "s3684-rs485", "silkit", "silkit://[::1]:8501,L", None)),

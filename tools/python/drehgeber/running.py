@@ -22,8 +22,8 @@ from .instrument import Instrument, power_word
 
 READY_S = 30.0
 STOP_S = 10.0
-# Wires whose addresses in a rig end in the encoder's place.
-PLACED = ("can", "slcan", "socketcand", "modbus")
+# Wires whose address is only a path. In a rig that of each other wire ends in the encoder's place, if it has one.
+PATHS = ("pty", "tty", "gpio")
 
 
 class RigError(Exception):
@@ -142,11 +142,10 @@ def parse_ready(rig: RunningRig | None, line: str) -> RunningEncoder | None:
     wire, _, address = words[2].partition(":")
     if len(words) == 3:  # from the command line: the only one, or a whole ring
         return RunningEncoder(rig, words[1], words[1], wire, address)
-    place = None
-    # In a simulation it depends on what the encoder speaks; no NETWORK has a slash.
-    if wire in PLACED or (wire == "silkit" and "/" in address.partition(",")[2]):
-        address, _, place = address.rpartition("/")
-    return RunningEncoder(rig, words[3], words[1], wire, address, None if place is None else int(place))
+    head, slash, place = address.rpartition("/")
+    if wire in PATHS or slash == "" or not place.isdecimal():
+        return RunningEncoder(rig, words[3], words[1], wire, address, None)
+    return RunningEncoder(rig, words[3], words[1], wire, head, int(place))
 
 
 class RunningRig:
