@@ -2,14 +2,16 @@
 """Makes a copy of the tree that has the strangers in it, as somebody would add them: new files, and rows in files that
 are there. What is the same since the last call is left alone, so that little is built anew.
 
-usage: tree.py TREE TO    prints which existing files each stranger touches; more than MOST are refused
+usage: tree.py TREE [TO]    prints which existing files each stranger touches, and how long the board is; more than MOST
+                            and BOARD_MOST are refused, and so is a row without its place. Without TO nothing is written
 """
 
 import os
 import sys
 from pathlib import Path
 
-MOST = 8
+MOST = {"eleven": 8, "tenbit": 8, "udp": 2}  # existing files: a protocol, a wire
+BOARD, BOARD_MOST = "board/board.c", 60  # lines that are not empty
 LEFT_OUT = {".git", "build", "__pycache__", ".pytest_cache", ".mypy_cache", ".ruff_cache", ".cache"}
 APART = Path("tests/strangers")
 
@@ -38,7 +40,25 @@ CHECK_TENBIT = """static void check_tenbit(const struct host_rig_model *row)
 }
 
 """
+DOOR_UDP = """    {
+        .name = "udp",
+        .make = lx_can_bus_make,
+        .open_can = lx_udp_can_open,
+        .help = "CAN in UDP datagrams, a frame each; the encoders answer whoever has spoken last",
+    },
+"""
+KIND_UDP = """    {
+        .name = "udp",
+        .stations_max = DG_BUS_FRAMES_ENCODERS,
+        .media = DG_PLAN_CARRIES(FRAMES),
+        .where = "HOST:PORT",
+        .usual = "127.0.0.1:20000",
+        .keys = &pace_keys,
+        .settings = &dg_plan_pace_usual,
+    },
+"""
 PROTOCOLS, MESON, WIRES = "include/drehgeber/protocols.h", "meson.build", "platform/linux/rig/wires.c"
+KINDS = "src/rig/plan_wires.c"
 PAGE, SUITES = "README.md", "tests/conformance/conformance.c"
 MODELS, EXCHANGES = "tests/support/host_rig.c", "tests/unit/test_host.c"
 # stranger: (file, what stands there, what is put in front of it)
@@ -80,6 +100,11 @@ ROWS = {
         (EXCHANGES, '#include "host_rig.h"\n', '#include "drehgeber/tenbit.h"\n'),
         (EXCHANGES, "/* What is done with the encoders of each wire. */\n", CHECK_TENBIT),
         (EXCHANGES, "    {&dg_hf_wire, check_hiperface},", "    {&dg_tenbit_wire, check_tenbit},\n"),
+    ],
+    "udp": [
+        (KINDS, '    {\n        .name = "silkit",', KIND_UDP),
+        (WIRES, "\nconst struct lx_stack *const lx_stacks[]", '#include "udp_can.h"\n'),
+        (WIRES, '    {\n        .name = "silkit",', DOOR_UDP),
     ],
 }
 
@@ -125,18 +150,26 @@ def put(source, content, target):
     target.chmod(source.stat().st_mode)
 
 
-def main():
-    tree, to = Path(sys.argv[1]), Path(sys.argv[2])
-    found = contents(tree)
+def write(found, to):
+    """The copy."""
     if to.exists():
         for path in set(below(to)) - set(found):
             (to / path).unlink()
     for path, (source, content) in found.items():
         put(source, content, to / path)
+
+
+def main():
+    tree, *to = map(Path, sys.argv[1:])
+    found = contents(tree)
+    if to:
+        write(found, to[0])
     touched = {stranger: sorted({file for file, *_ in rows}) for stranger, rows in ROWS.items()}
     for stranger, files in touched.items():
         print(f"figure: {stranger} touches {len(files)} existing files: {' '.join(files)}")
-    sys.exit(any(len(files) > MOST for files in touched.values()))
+    lines = sum(line.strip() != "" for line in (tree / APART / BOARD).read_text("utf-8").splitlines())
+    print(f"figure: a board is {lines} lines")
+    sys.exit(lines > BOARD_MOST or any(len(files) > MOST[stranger] for stranger, files in touched.items()))
 
 
 main()

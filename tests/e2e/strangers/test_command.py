@@ -2,6 +2,8 @@
 """The command with two protocols that nobody has heard of (tests/strangers), beside an S36 and an SSI encoder: on wires,
 in traces, by SCPI, on panels. Each is served, or refused by name, and none is taken for another one."""
 import json
+import re
+import socket
 import sys
 import time
 from pathlib import Path
@@ -224,6 +226,24 @@ def test_a_clocked_trace_has_its_word(start, tmp_path):
     assert one.end() == 0
     dump = (tmp_path / "a.vcd").read_text()
     assert "word_256" in dump and {"CLOCK", "DATA"} <= set(signals_of(dump))
+
+
+def test_a_wire_that_nobody_has_heard_of(rigs):
+    """CAN in UDP datagrams: encoders, an SDO, what is wrong with an address, the port in the ready line."""
+    own = run("run", "f3668", "--help").stdout
+    assert "--udp" in own and "--udp" not in run("run", ELEVEN, "--help").stdout
+    assert "--udp is no wire of eleven-24" in run_refused(2, "run", ELEVEN, "--udp=127.0.0.1:0")
+    assert "expected HOST:PORT" in run_refused(1, "run", "f3668", "--udp=nowhere")
+    ours = rigs.begin("[rig]\n[shaft main]\nmotion = 90DEG\n[bus b]\nwire = udp\naddress = 127.0.0.1:0\n"
+                      "[encoder a]\nmodel = f3668\nbus = b\nnode = 5..6\n")
+    ready = re.fullmatch(r"ready f3668 udp:127\.0\.0\.1:(\d+)/5 \S+", ours.ready_line)
+    assert ready, ours.ready_line
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as line:
+        line.settimeout(2)
+        line.connect(("127.0.0.1", int(ready[1])))
+        for node in (5, 6):
+            line.send(bytes([0x06, node, 8]) + bytes.fromhex("4004600000000000"))
+            assert line.recv(64) == bytes([0x05, 0x80 + node, 8]) + bytes.fromhex("4304600000400000")
 
 
 def test_top_shows_them(rig, tmp_path):
