@@ -9,6 +9,10 @@
 
 /* The start of a line, for a message. */
 #define QUOTED 40u
+/* More keys than any section has: each is compared with all before it. */
+#define WORDS_MAX 256u
+/* Empty ones count nothing otherwise, and cost their host some memory each. */
+#define INCLUDES_MAX 4096u
 
 /* A line that is being taken apart, with its end and a zero. */
 struct line {
@@ -192,6 +196,11 @@ static int check_include(struct rig_reader *self, const struct dg_plan_setting *
     if (dg_plan_check_below(self, word) != 0) {
         return -1;
     }
+    if (self->plan->source_count > INCLUDES_MAX) { /* the first one is no included file */
+        return dg_plan_wrong_word(
+            self, word, RIG_SAY("expected fewer"),
+            RIG_SAY("one more than ", dg_plan_number(INCLUDES_MAX).text, " included files"));
+    }
     return self->depth < DG_PLAN_DEPTH_MAX
                ? 0
                : dg_plan_wrong_word(self, word, RIG_SAY("expected fewer"),
@@ -264,7 +273,11 @@ static int take_word(struct rig_reader *self, const char *key, const char *value
             RIG_SAY("given in line ", dg_plan_line_text(self->plan, before->line, self->line).text,
                     " already"));
     }
-    return dg_plan_word_add(self, section, &word);
+    return section->count < WORDS_MAX
+               ? dg_plan_word_add(self, section, &word)
+               : dg_plan_wrong_word(
+                     self, &word, RIG_SAY("expected fewer"),
+                     RIG_SAY("one more than ", dg_plan_number(WORDS_MAX).text, " in a section"));
 }
 
 /* Where the key ends, or a comment begins, which has a blank in front. With `keys` at the first of

@@ -65,15 +65,13 @@ static int check_name(struct rig_reader *in, const struct rig_section *self)
     return same < 0 ? 0 : dg_plan_taken(in, self, plan->models[same].line);
 }
 
-/* Models that one stands on: 0 of a built-in one. */
+/* Models that one stands on: 0 of one that is not of this plan. */
 static unsigned depth_of(const struct dg_plan *plan, const struct dg_device *device)
 {
-    unsigned depth = 0;
+    const int at =
+        dg_plan_names_find(plan, &(struct dg_plan_name){.list = RIG_MODEL, .text = device->name});
 
-    for (size_t i = 0; i < plan->model_count; i++) {
-        depth = plan->models[i].device == device ? plan->models[i].depth : depth;
-    }
-    return depth;
+    return at >= 0 && plan->models[at].device == device ? plan->models[at].depth : 0;
 }
 
 static int check_base(struct rig_reader *in, const struct dg_plan_setting *word,

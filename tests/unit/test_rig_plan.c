@@ -164,6 +164,28 @@ static void assert_right(const struct bench *self, unsigned media, const char *b
     assert_string_equal(self->error.right, right);
 }
 
+/* Each key is compared with all before it: a section of 100 000 would take a minute. */
+static void a_section_has_so_many_keys(void **state)
+{
+    enum { MOST = 256, GIVEN = 2 }; /* model, wire */
+    static struct bench bench;
+    char text[64 + 12 * MOST];
+    (void)state;
+    for (int count = MOST - 1; count <= MOST + 1; count++) {
+        int n = snprintf(text, sizeof text, "[encoder a]\nmodel = ssi-25\nwire = sim\n");
+        for (int i = GIVEN; i < count; i++) {
+            n += snprintf(text + n, sizeof text - (size_t)n, "k%d = 1\n", i);
+        }
+        if (count <= MOST) {
+            read_good(&bench, text);
+            assert_int_equal(bench.plan.encoders[0].settings.count, count - GIVEN);
+        } else {
+            assert_refused(&bench, text, "", 1 + MOST + 1, "one more than 256 in a section");
+            assert_string_equal(bench.error.key, "k256");
+        }
+    }
+}
+
 static void kinds_of_wire_are_everybodys(void **state)
 {
     static struct bench bench;
@@ -507,6 +529,7 @@ int main(void)
         cmocka_unit_test(memory_of_any_size),
         cmocka_unit_test(clients_have_memory_for_courses),
         cmocka_unit_test(names_are_letters_digits_and_two_signs),
+        cmocka_unit_test(a_section_has_so_many_keys),
         cmocka_unit_test(kinds_of_wire_are_everybodys),
         cmocka_unit_test(settings_of_wires),
         cmocka_unit_test(a_setup_of_another_version),

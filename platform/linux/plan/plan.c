@@ -25,6 +25,8 @@
 /* Behind a plan: control addresses with tokens, which a command line adds. */
 #define MEMORY_SPARE 20480u
 #define BLOCK 4096u
+/* A rig of 100 000 encoders has a quarter of it; /dev/zero has no end. */
+#define FILE_MAX ((size_t)32 << 20)
 
 /* --- files --- */
 
@@ -196,8 +198,9 @@ int lx_plan_read_with(struct dg_plan *self, const char *file, const struct lx_pl
     if (stream == NULL) {
         return lx_fail(error, "%s: cannot open: %s", file, strerror(errno));
     }
-    const int reason = read_stream(&text, stream, SIZE_MAX);
+    int reason = read_stream(&text, stream, FILE_MAX);
     (void)fclose(stream);
+    reason = reason == 0 && text.n > FILE_MAX ? EFBIG : reason;
     const int result = reason == 0 ? read_plan_text(self, file, &text, shelf, error)
                                    : lx_fail(error, "%s: cannot read: %s", file, strerror(reason));
     free(text.bytes);

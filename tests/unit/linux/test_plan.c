@@ -496,6 +496,7 @@ static void files_that_are_none(void **state)
     (void)state;
     assert_refused("none.ini", NULL, 0, "none.ini: cannot open: No such file or directory");
     assert_refused("sub", NULL, 0, "sub: cannot read: Is a directory");
+    assert_refused("/dev/zero", NULL, 0, "/dev/zero: cannot read: File too large");
 }
 
 /* Beside the rig file or below it, and never by a link. */
@@ -545,6 +546,36 @@ static void included_files(void **state)
                              ":2: wire: pty:x is a kind and an address; expected wire = pty and "
                              "address = x in a line each");
     assert_int_equal(unlink("link.ini"), 0);
+}
+
+/* Empty files are files, too. */
+static void so_many_files_are_included(void **state)
+{
+    enum { MOST = 4096 };
+    static const char rig[] = "[rig]\n";
+    static const char one[] = "include = sub/empty\n";
+    static const char end[] = SLCAN_BUS ON_BUS("a");
+    const size_t n = strlen(rig) + MOST * strlen(one);
+    char *text = malloc(n + sizeof end);
+    struct dg_plan plan;
+    (void)state;
+    assert_non_null(text);
+    memcpy(text, rig, strlen(rig));
+    for (size_t i = 0; i < MOST; i++) {
+        memcpy(text + strlen(rig) + i * strlen(one), one, strlen(one));
+    }
+    if (kernel_confines()) {
+        write_bytes("sub/empty", "", 0);
+        memcpy(text + n, end, sizeof end);
+        read_good(&plan, text);
+        lx_plan_free(&plan);
+        memcpy(text + n, one, strlen(one));
+        assert_refused(FILE_NAME, text, n + strlen(one),
+                       FILE_NAME
+                       ":4098: include: one more than 4096 included files; expected fewer");
+        assert_int_equal(unlink("sub/empty"), 0);
+    }
+    free(text);
 }
 
 /* As many as there is memory for, each of them known by its name. */
@@ -686,6 +717,7 @@ int main(void)
         cmocka_unit_test(lines_that_are_none),
         cmocka_unit_test(files_that_are_none),
         cmocka_unit_test(included_files),
+        cmocka_unit_test(so_many_files_are_included),
         cmocka_unit_test(many),
         cmocka_unit_test(one_section_for_many),
         cmocka_unit_test(encoders_by_name),
