@@ -331,6 +331,7 @@ static int take_rig(struct rig_reader *in, const struct rig_section *self)
 _Static_assert(DG_PLAN_CONTROLS_MAX == 4u, "as the help of the rows has it");
 _Static_assert(DG_PLAN_THREADS_MAX == 64u, "likewise");
 _Static_assert(DG_PLAN_POINT_BYTES == 16u, "likewise");
+_Static_assert(DG_PLAN_COURSE_MEMORY_MAX == 1099511627776u, "likewise");
 _Static_assert(DG_PLAN_DEPTH_MAX == 8u, "likewise");
 _Static_assert(DG_PLAN_INCLUDED_MAX == 1u << 20, "likewise");
 _Static_assert(DG_SHAFT_GEARS_MAX == 8u, "likewise");
@@ -363,7 +364,7 @@ static const struct rig_key rig_keys[] = {
     },
     {
         .name = "memory",
-        .takes = "BYTES",
+        .takes = "16..1099511627776 bytes",
         .usual = "as much as there is",
         .help =
             "for the points of courses that clients ask for, 16 bytes each; a course beyond it is "
@@ -375,7 +376,8 @@ static const struct rig_key rig_keys[] = {
         .usual = "none",
         .help =
             "include the sections of this file here, as often as you like; the file is in the "
-            "folder of this file or below it, and not a link; at most 8 files deep, 1 MiB in all",
+            "folder of this file or below it, and not a link; at most 8 files deep, 4096 files and "
+            "1 MiB in all",
     },
     {.name = NULL},
 };
@@ -432,7 +434,7 @@ static const struct rig_key shaft_keys[] = {
         .takes = "TURNS:TURNS",
         .usual = "1:1",
         .help = "turns of this shaft for turns of the driver: whole numbers except 0, each may be "
-                "negative",
+                "negative, up to 2147483647",
     },
     {.name = NULL},
 };
