@@ -318,6 +318,47 @@ static void identification(void **state)
     }
 }
 
+/* What other tests do not ask for. */
+static void settings_and_missed_cycles(void **state)
+{
+    (void)state;
+    master.missed = 0x12345;
+    assert_int_equal(get(0x1014), 0x0001);
+    assert_int_equal(get(0x1015), 0x2345);
+    put(0x1120, 1234);
+    assert_int_equal(get(0x1120), 1234);
+    assert_int_equal(get(0x1122), 1);
+    put(0x1122, 0);
+    assert_int_equal(get(0x1122), 0);
+    put(0x1123, DG_RING_FALLBACK_STOP);
+    assert_int_equal(get(0x1123), DG_RING_FALLBACK_STOP);
+}
+
+static void registers_of_a_device(void **state)
+{
+    enum { SELF_TEST = 2, READ_OUT = 16, PARAMETERS_LOST = 64 };
+    struct dg_ib *device = ring_rig_device(&rig, 1);
+    (void)state;
+    device->counters.cycles = 0x12345;
+    device->counters.crc_errors = 0x56789;
+    device->last_error = 0x84000077;
+    assert_int_equal(get(0x2012), 0x0001);
+    assert_int_equal(get(0x2013), 0x2345);
+    assert_int_equal(get(0x2014), 0x0005);
+    assert_int_equal(get(0x2015), 0x6789);
+    assert_int_equal(get(0x201A), 0x8400);
+    assert_int_equal(get(0x201B), 0x0077);
+    assert_int_equal(get(0x2011) & (SELF_TEST | READ_OUT | PARAMETERS_LOST), 0);
+    device->ready_at = START + 1;
+    assert_int_equal(get(0x2011) & (SELF_TEST | READ_OUT | PARAMETERS_LOST), SELF_TEST);
+    device->ready_at = START; /* the self-test is over */
+    device->item = 1;
+    assert_int_equal(get(0x2011) & (SELF_TEST | READ_OUT | PARAMETERS_LOST), READ_OUT);
+    device->item = 0;
+    device->lost = 1;
+    assert_int_equal(get(0x2011) & (SELF_TEST | READ_OUT | PARAMETERS_LOST), PARAMETERS_LOST);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -328,6 +369,8 @@ int main(void)
         cmocka_unit_test_setup(the_map_in_words, set_up),
         cmocka_unit_test_setup(requests_and_cycles, set_up),
         cmocka_unit_test_setup(identification, set_up),
+        cmocka_unit_test_setup(settings_and_missed_cycles, set_up),
+        cmocka_unit_test_setup(registers_of_a_device, set_up),
     };
     return cmocka_run_group_tests_name("a ring's coupler", tests, NULL, NULL);
 }
