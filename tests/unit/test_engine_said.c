@@ -166,6 +166,22 @@ static void a_profile_that_is_none_is_refused_in_words(void **state)
     expect("SHAF:PROF?", "\"rest\"");
 }
 
+/* 38 digits: with them the whole refusal has as many characters as fit. */
+#define DIGITS "00000000000000000000000000000000000005"
+#define WRONG DIGITS "' has no unit"
+#define RIGHT "; expected an angle such as 90DEG or 2.5REV"
+_Static_assert(sizeof "'" WRONG RIGHT - 1u == DG_SCPI_DETAIL_MAX, "all of it, and no more");
+
+static void what_would_be_right_is_said_when_all_of_it_fits(void **state)
+{
+    (void)state;
+    engine_rig_start(&rig, each_medium);
+    expect_refused("SHAF:PROF \"sine:" DIGITS ",2S\"",
+                   "-224,\"Illegal parameter value;'" WRONG RIGHT "\"");
+    expect_refused("SHAF:PROF \"sine:0" DIGITS ",2S\"",
+                   "-224,\"Illegal parameter value;'0" WRONG "\"");
+}
+
 /* Who sits on another shaft is not disturbed. */
 static void encoders_turn_with_their_own_shaft(void **state)
 {
@@ -308,6 +324,7 @@ int main(void)
         cmocka_unit_test(a_host_has_counters_and_addresses_of_its_own),
         cmocka_unit_test(a_profile_is_what_the_shaft_does),
         cmocka_unit_test(a_profile_that_is_none_is_refused_in_words),
+        cmocka_unit_test(what_would_be_right_is_said_when_all_of_it_fits),
         cmocka_unit_test(encoders_turn_with_their_own_shaft),
         cmocka_unit_test(a_host_may_play_profiles_of_its_own),
         cmocka_unit_test(a_host_may_look_at_shafts_itself),

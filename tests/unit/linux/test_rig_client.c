@@ -142,6 +142,23 @@ static void what_a_shaft_does_has_a_name(void **state)
     close_rig(rig);
 }
 
+/* 38 digits: with them the whole refusal has as many characters as fit. */
+#define DIGITS "00000000000000000000000000000000000005"
+#define WRONG DIGITS "' has no unit"
+#define RIGHT "; expected an angle such as 90DEG or 2.5REV"
+_Static_assert(sizeof "'" WRONG RIGHT - 1u == DG_SCPI_DETAIL_MAX, "all of it, and no more");
+
+static void what_would_be_right_is_said_when_all_of_it_fits(void **state)
+{
+    struct virtual_rig *rig = open_rig("[shaft s]\n" SIM);
+    (void)state;
+    refuses(rig, "SHAF:PROF \"sine:" DIGITS ",2S\"",
+            "-224,\"Illegal parameter value;'" WRONG RIGHT "\"");
+    refuses(rig, "SHAF:PROF \"sine:0" DIGITS ",2S\"",
+            "-224,\"Illegal parameter value;'0" WRONG "\"");
+    close_rig(rig);
+}
+
 /* A line for each moment of the grid, whenever the loop comes round, and none behind the end. */
 static void a_recording_has_its_moments(void **state)
 {
@@ -255,6 +272,7 @@ int main(void)
         cmocka_unit_test(real_wires_have_real_time),
         cmocka_unit_test(a_fault_ends_at_its_moment),
         cmocka_unit_test(what_a_shaft_does_has_a_name),
+        cmocka_unit_test(what_would_be_right_is_said_when_all_of_it_fits),
         cmocka_unit_test(a_recording_has_its_moments),
         cmocka_unit_test(the_last_frames_are_told_in_words),
         cmocka_unit_test(courses_that_are_followed_are_named),
