@@ -172,6 +172,19 @@ static void segments_out_of_place_are_refused(void **state)
     ask("A1", "80 00 21 00 01 00 04 05");
 }
 
+/* Within a block the server waits for the number behind the last one that it took. */
+static void a_segment_that_comes_again_counts_once(void **state)
+{
+    (void)state;
+    start();
+    ask("C2 01 21 00 0E 00 00 00", "A4 01 21 00 1F 00 00 00");
+    ask("01 " TEXT, "");
+    ask("01 " TEXT, "");
+    ask("82 " TEXT, "A2 02 1F 00" ZEROS);
+    ask("C1 00 00 00" ZEROS, "A1 00 00 00" ZEROS);
+    ask("40 01 21 00", "41 01 21 00 0E 00 00 00");
+}
+
 /* 147 segments are 1029 bytes. */
 static void more_than_there_is_room_for_is_refused(void **state)
 {
@@ -311,6 +324,7 @@ int main(void)
         cmocka_unit_test(a_transfer_that_somebody_has_made_is_over),
         cmocka_unit_test(a_stored_length_that_cannot_be_is_not_used),
         cmocka_unit_test(segments_out_of_place_are_refused),
+        cmocka_unit_test(a_segment_that_comes_again_counts_once),
         cmocka_unit_test(more_than_there_is_room_for_is_refused),
         cmocka_unit_test(wide_limits_have_two_ends),
         cmocka_unit_test(what_a_default_can_be),

@@ -45,6 +45,20 @@ static void what_is_left_out_is_noted(void **state)
     assert_int_equal(rig.notes, 0);
 }
 
+/* Without a word about access a master reads it. */
+static void an_object_without_access_is_read_only(void **state)
+{
+    (void)state;
+    read_text("[1000]\nDataType=7\nDefaultValue=0x10196\nAccessType=ro\n"
+              "[2000]\nDataType=5\nDefaultValue=7\n"
+              "[6501]\nDataType=7\nAccessType=ro\nDefaultValue=4096\n");
+    assert_true(eds_client_noted(&rig, "2000", "is missing: read only"));
+    eds_client_make(&rig);
+    eds_client_switch_on(&rig);
+    assert_int_equal(eds_client_upload(&rig, 0x2000, 0), 7);
+    assert_int_equal(eds_client_download(&rig, 0x2000, 0, 5, 1), 0x06010002);
+}
+
 /* What the encoder finds out by itself nobody writes, whatever the file says. */
 static void a_position_is_read_only(void **state)
 {
@@ -142,6 +156,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(what_is_left_out_is_noted),
+        cmocka_unit_test(an_object_without_access_is_read_only),
         cmocka_unit_test(a_position_is_read_only),
         cmocka_unit_test(what_an_object_does_can_be_asked),
         cmocka_unit_test(what_a_long_value_does_can_be_asked),
