@@ -229,6 +229,24 @@ static void every_bit_before_the_regions(void **state)
     }
 }
 
+/* They come from the disc, 2048 periods a turn, 0.25 V around 2.5 V (4.1.3). */
+static void sines_do_not_need_the_stored_resolution(void **state)
+{
+    const struct dg_hf_model *model = dg_hf_model_of(dg_device_find("s3684-rs485"));
+    struct dg_hf_sincos out;
+
+    (void)state;
+    flip(address_of("resolution"), 0);
+    const struct dg_hf_setup setup = hf_rig_setup(&rig, model);
+    assert_int_equal(dg_hf_init(&rig.device, &setup), DG_OK);
+    assert_int_equal(hf_rig_power_on(&rig), DG_OK);
+    rig.angle = DG_TURN / 2048 / 4;
+    dg_hf_sincos(&rig.device, rig.now, &out);
+    assert_in_range(out.sin_plus_uv, 2749998, 2750002);
+    assert_in_range(out.sin_minus_uv, 2249998, 2250002);
+    assert_in_range(out.cos_plus_uv, 2499998, 2500002);
+}
+
 /* Headers damaged beyond repair are somebody else's memory: it stays as it is. */
 static void both_headers_are_not_repaired(void **state)
 {
@@ -412,6 +430,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(all_regions_are_known),
         cmocka_unit_test(every_bit_of_a_checked_region),
+        cmocka_unit_test(sines_do_not_need_the_stored_resolution),
         cmocka_unit_test(every_bit_before_the_regions),
         cmocka_unit_test(both_headers_are_not_repaired),
         cmocka_unit_test(every_bit_of_the_data_fields),
