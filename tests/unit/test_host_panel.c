@@ -337,6 +337,27 @@ static void a_controller_is_never_better_than_its_fault(void **state)
     expect_said(board, self, READY + 18 * MS, "8140 0000 answer ");
 }
 
+/* NMT has the identifier 0, which is also the number of error active: it cures nobody. */
+static void a_frame_does_not_say_what_a_controller_is(void **state)
+{
+    struct dg_host *self = host_rig_start(&host_rig_here, "f3668");
+    struct dg_host_panel *board = panel(self);
+    const struct dg_host_event own = {
+        .at = READY + MS, .kind = DG_HOST_BUS, .id = DG_HOST_BUS_PASSIVE};
+    const struct dg_host_event go = {
+        .at = READY + 2 * MS, .kind = DG_HOST_CAN, .length = 2, .data = {1, 0}};
+
+    (void)state;
+    assert_int_equal(dg_host_send(self, &own), DG_HOST_OK);
+    assert_int_equal(dg_host_send(self, &go), DG_HOST_OK);
+    (void)dg_host_panel_step(board, READY + 3 * MS);
+    assert_int_equal(dg_host_bus_state(self), DG_HOST_BUS_PASSIVE);
+    command(board, READY + 4 * MS, "FAUL:SET bus_off");
+    assert_int_equal(dg_host_bus_state(self), DG_HOST_BUS_OFF);
+    command(board, READY + 5 * MS, "FAUL:CLE");
+    assert_int_equal(dg_host_bus_state(self), DG_HOST_BUS_PASSIVE);
+}
+
 /* It is off by itself and by a fault, and first the one and then the other is over. */
 static void a_controller_is_good_when_both_causes_are_over(void **state)
 {
@@ -618,6 +639,7 @@ int main(void)
         cmocka_unit_test(faults_of_the_controller_act_and_end_by_all_ways),
         cmocka_unit_test(timed_faults_of_the_controller_end_by_themselves),
         cmocka_unit_test(a_controller_is_never_better_than_its_fault),
+        cmocka_unit_test(a_frame_does_not_say_what_a_controller_is),
         cmocka_unit_test(a_controller_is_good_when_both_causes_are_over),
         cmocka_unit_test(a_line_of_scpi_is_answered),
         cmocka_unit_test(a_line_that_is_too_long_is_not_begun),

@@ -223,6 +223,22 @@ static void a_power_cycle_ends_bus_off(void **state)
     fmu_free(fmu);
 }
 
+static void a_power_cycle_forgets_what_was_received_badly(void **state)
+{
+    struct fmu *fmu = fmu_running(TOKEN " =f3668");
+
+    (void)state;
+    (void)fmu_step(fmu, 0, 1, false);
+    give_errors(fmu, 16, PRIMARY, RECEIVED); /* 128 */
+    assert_int_equal(bus_state(fmu), 1);
+    cycle_power(fmu);
+    (void)fmu_step(fmu, 1, 1, false);
+    assert_int_equal(bus_state(fmu), 0);
+    give_errors(fmu, 15, PRIMARY, RECEIVED); /* 120 */
+    assert_int_equal(bus_state(fmu), 0);
+    fmu_free(fmu);
+}
+
 /* CiA 301: a remote frame to 700h + node asks for its state, 7Fh: pre-operational, and a data frame
    asks nothing. Neither does one with 29 bits of the same number. */
 static void only_remote_frames_are_asked_for_a_state(void **state)
@@ -423,6 +439,7 @@ int main(void)
         cmocka_unit_test(a_node_is_active_when_both_counters_allow_it),
         cmocka_unit_test(a_controller_with_a_fault_is_told_to_its_bus),
         cmocka_unit_test(a_power_cycle_ends_bus_off),
+        cmocka_unit_test(a_power_cycle_forgets_what_was_received_badly),
         cmocka_unit_test(only_remote_frames_are_asked_for_a_state),
         cmocka_unit_test(operations_have_their_length),
         cmocka_unit_test(emergencies_are_seen_at_every_node),
