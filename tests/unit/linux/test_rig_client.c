@@ -13,6 +13,8 @@
 
 #include <cmocka.h>
 
+#include "rig_parts.h"
+#include "timer.h"
 #include "virtual_rig.h"
 
 #define SIM "[encoder e]\nmodel = s3684-biss\nwire = sim\n"
@@ -88,6 +90,72 @@ static void time_is_stopped_stepped_and_stretched(void **state)
     virtual_rig_order(rig, "TIME:SCAL 2.5");
     virtual_rig_pass(rig, DG_MS(100));
     answers(rig, "TIME?;TIME:SCAL?", "2.000000000;2.500");
+    close_rig(rig);
+}
+
+static void count_event(void *ctx, const struct dg_tap_event *event)
+{
+    (void)event;
+    ++*(unsigned *)ctx;
+}
+
+/* A wire goes by the time of the rig, also when that goes on again. */
+static void a_wire_stops_and_goes_on_with_time(void **state)
+{
+    struct virtual_rig *rig = calloc(1, sizeof *rig);
+    unsigned count = 0;
+    struct lx_tap_listener listener = {.event = count_event, .ctx = &count};
+    (void)state;
+    assert_non_null(rig);
+    write_file("rig.ini", SIM);
+    virtual_rig_open(rig, "rig.ini", &listener);
+    virtual_rig_pass(rig, DG_S(1));
+    const unsigned running = count;
+    assert_true(running > 0);
+    virtual_rig_order(rig, "TIME:SCAL 0");
+    virtual_rig_pass(rig, DG_S(1));
+    assert_int_equal(count, running);
+    virtual_rig_order(rig, "TIME:SCAL 1");
+    virtual_rig_pass(rig, DG_S(1));
+    assert_in_range(count, 2 * running - running / 4, 2 * running + running / 4);
+    close_rig(rig);
+}
+
+#define LEVELS_MAX 64u
+
+struct levels {
+    dg_ns at[LEVELS_MAX];
+    size_t count;
+};
+
+static void keep_moment(void *ctx, const struct dg_tap_event *event)
+{
+    struct levels *self = ctx;
+    if (event->kind == DG_TAP_SINCOS) {
+        assert_true(self->count < LEVELS_MAX);
+        self->at[self->count++] = event->at;
+    }
+}
+
+/* As they are when somebody begins to ask for them, then at whole multiples of their interval. */
+static void sines_are_told_from_the_question_on(void **state)
+{
+    struct virtual_rig *rig = open_rig("[shaft s]\nmotion = 60RPM\n[encoder e]\n"
+                                       "model = s3684-rs485\nwire = rs485:tcp:127.0.0.1:0\n");
+    struct levels levels = {.count = 0};
+    struct lx_tap_listener listener = {.event = keep_moment, .ctx = &levels, .sincos = true};
+    (void)state;
+    virtual_rig_pass_to(rig, lx_now() - lx_now() % DG_MS(1) + DG_S(1) + DG_US(300));
+    const dg_ns begin = lx_now();
+    rig->listener = &listener; /* which is taken away at the end */
+    lx_tap_add(&rig->rig->wires[0].bus->tap, &listener);
+    virtual_rig_order(rig, "WORL:TEMP 30"); /* the line looks who listens */
+    virtual_rig_pass(rig, DG_MS(25));
+    assert_true(levels.count > 10);
+    assert_int_equal(levels.at[0], begin);
+    for (size_t i = 1; i < levels.count; i++) {
+        assert_int_equal(levels.at[i], begin - DG_US(300) + i * DG_MS(1));
+    }
     close_rig(rig);
 }
 
@@ -269,6 +337,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(time_is_stopped_stepped_and_stretched),
+        cmocka_unit_test(a_wire_stops_and_goes_on_with_time),
+        cmocka_unit_test(sines_are_told_from_the_question_on),
         cmocka_unit_test(real_wires_have_real_time),
         cmocka_unit_test(a_fault_ends_at_its_moment),
         cmocka_unit_test(what_a_shaft_does_has_a_name),
