@@ -35,6 +35,21 @@ static void models_are_listed_in_order(void **state)
     assert_null(dg_device_find("s3674"));
 }
 
+/* Faults and NVM: commands name them. */
+static void regions_of_a_memory_have_names_of_their_own(void **state)
+{
+    (void)state;
+    for (size_t i = 0; i < dg_device_count; i++) {
+        const struct dg_store_layout *layout = dg_devices[i]->stack->layout(dg_devices[i]->model);
+        for (uint8_t k = 0; layout != NULL && k < layout->region_count; k++) {
+            assert_true(layout->regions[k].name[0] != '\0');
+            for (uint8_t other = 0; other < k; other++) {
+                assert_string_not_equal(layout->regions[k].name, layout->regions[other].name);
+            }
+        }
+    }
+}
+
 /* --- RS485 --- */
 
 static struct hf_rig drive;
@@ -309,6 +324,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(models_are_listed_in_order),
+        cmocka_unit_test(regions_of_a_memory_have_names_of_their_own),
         cmocka_unit_test(s3674_rs485),
         cmocka_unit_test(s3684_rs485),
         cmocka_unit_test(rs485_answers_after_1_ms_and_starts_in_100_ms),
