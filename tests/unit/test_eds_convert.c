@@ -211,7 +211,9 @@ static void texts_and_wide_numbers_are_copied(void **state)
     assert_int_equal(dg_host_memory_load(second.host, bytes, size), DG_HOST_OK);
     assert_int_equal(dg_host_power(second.host, second.now, true), DG_HOST_OK);
     assert_int_equal(text_of(&second, 0x2100), 0x64636261);
-    assert_int_equal(text_of(&second, 0x2099), 0x47);
+    const struct dg_host_event fresh = eds_client_ask(&second, 0x40, 0x2099, 0, 0);
+    assert_int_equal(fresh.data[0], 0x47);
+    assert_memory_equal(&fresh.data[4], "new", 3);
     const struct dg_host_event wide = eds_client_ask(&second, 0x40, 0x2104, 0, 0);
     assert_int_equal(dg_load_le32(&wide.data[4]), 8);
     const struct dg_host_event value = eds_client_ask(&second, 0x60, 0, 0, 0);
