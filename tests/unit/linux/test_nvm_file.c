@@ -18,6 +18,7 @@
 
 #include <cmocka.h>
 
+#include "beside.h"
 #include "descriptors.h"
 #include "eeprom_rig.h"
 
@@ -481,6 +482,23 @@ static void a_file_written_anew_is_whole_when_it_is_cut_off(void **state)
     eeprom_close(&eeprom);
 }
 
+/* Nothing is left beside it either. */
+static void a_file_that_cannot_take_its_place_is_told(void **state)
+{
+    struct eeprom_place *place = *state;
+    char path[128];
+    int fd = -1;
+    (void)snprintf(path, sizeof path, "%s/taken", place->folder);
+    assert_int_equal(lx_file_replace(path, "text", 4, 0, NULL), ENOENT);
+    assert_int_equal(mkdir(path, 0700), 0);
+    assert_int_equal(lx_file_replace(path, "text", 4, 0600, NULL), EISDIR);
+    assert_int_equal(lx_file_replace(path, "text", 4, 0600, &fd), EISDIR);
+    assert_int_equal(fd, -1);
+    assert_int_equal(rmdir(path), 0);
+    assert_int_equal(rmdir(place->folder), 0);
+    assert_int_equal(mkdir(place->folder, 0700), 0);
+}
+
 #define IN_A_PLACE(test) cmocka_unit_test_setup_teardown(test, eeprom_place_set_up, tear_down)
 
 int main(void)
@@ -504,6 +522,7 @@ int main(void)
         IN_A_PLACE(only_a_file_that_was_made_is_unmade),
         IN_A_PLACE(a_file_cut_off_in_use_is_written_again_whole),
         IN_A_PLACE(a_file_written_anew_is_whole_when_it_is_cut_off),
+        IN_A_PLACE(a_file_that_cannot_take_its_place_is_told),
         cmocka_unit_test(no_descriptor_is_left),
     };
     return cmocka_run_group_tests(tests, descriptors_note, NULL);
