@@ -10,6 +10,8 @@
 
 #include <cmocka.h>
 
+#include "drehgeber/devices.h"
+#include "drehgeber/model.h"
 #include "eds_client.h"
 
 static struct eds_client rig;
@@ -43,6 +45,24 @@ static void what_is_left_out_is_noted(void **state)
         "[2000Name]\n[2000Denotation]\n[2000ObjectLinks]\n[0005]\nObjectType=7\nDataType=5\nAccessType=ro\n"
         "[6501]\nDataType=7\nAccessType=ro\nDefaultValue=8\n");
     assert_int_equal(rig.notes, 0);
+}
+
+/* The model itself lies in the memory, before anything of the file. */
+static void a_model_needs_room_for_itself(void **state)
+{
+    static const char text[] = "[1000]\nDataType=7\nDefaultValue=0x10196\nAccessType=ro\n";
+    static const size_t sizes[] = {0, 1, sizeof(struct dg_cia406_file)};
+    const struct dg_model_file *kind = dg_model_file_of("own.eds");
+    struct dg_model_made made;
+    struct dg_model_flaw flaw;
+
+    (void)state;
+    assert_non_null(kind);
+    for (size_t i = 0; i < DG_COUNT(sizes); i++) {
+        const struct dg_model_source from = {text, sizeof text - 1u, rig.memory, sizes[i]};
+        assert_int_equal(kind->read(&from, &made, &flaw), DG_ERR_SPACE);
+        assert_null(made.device);
+    }
 }
 
 /* Without a word about access a master reads it. */
@@ -156,6 +176,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(what_is_left_out_is_noted),
+        cmocka_unit_test(a_model_needs_room_for_itself),
         cmocka_unit_test(an_object_without_access_is_read_only),
         cmocka_unit_test(a_position_is_read_only),
         cmocka_unit_test(what_an_object_does_can_be_asked),

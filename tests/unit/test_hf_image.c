@@ -104,6 +104,45 @@ static void the_stored_memory_is_handed_out(void **state)
     assert_int_equal(hf_rig_ask(&rig, "4D 00 CB 55"), 0);                /* 64 */
 }
 
+/* A data field is a block at least: there are as many fields as blocks, 112 at most. */
+static void more_blocks_than_there_can_be_are_the_models(void **state)
+{
+    const uint8_t blocks = 113;
+    struct dg_store store;
+
+    (void)state;
+    assert_int_equal(hf_rig_init(&rig, delivered()), DG_OK);
+    assert_int_equal(dg_store_mount(&store, &dg_hf_layout, ram_nvm_port(&rig.nvm)), DG_OK);
+    assert_int_equal(dg_store_put(&store, DG_HF_REGION_MEMORY, 0, &blocks, 1), DG_OK);
+    assert_int_equal(hf_rig_power_on(&rig), DG_OK);
+    assert_reply("4E", "70 00");
+}
+
+static void what_is_another_makes_is_named(void **state)
+{
+    const struct dg_stack_setup setup = {.model = delivered()};
+    struct dg_hf_model made = *delivered();
+
+    (void)state;
+    mount_memory_of(&made);
+    assert_null(dg_hf_stack.differs(&setup, &rig.device.store));
+    made.speed_max_rpm = 3000;
+    mount_memory_of(&made);
+    assert_string_equal(dg_hf_stack.differs(&setup, &rig.device.store), "type label");
+    made.implemented_blocks = 128;
+    mount_memory_of(&made);
+    assert_string_equal(dg_hf_stack.differs(&setup, &rig.device.store), "implemented memory");
+    made.memory_blocks = 4;
+    mount_memory_of(&made);
+    assert_string_equal(dg_hf_stack.differs(&setup, &rig.device.store), "user memory size");
+    made.type_code = 0x37;
+    mount_memory_of(&made);
+    assert_string_equal(dg_hf_stack.differs(&setup, &rig.device.store), "type code or option");
+    made.periods_per_turn = 1024;
+    mount_memory_of(&made);
+    assert_string_equal(dg_hf_stack.differs(&setup, &rig.device.store), "periods, steps or turns");
+}
+
 static void the_stored_label_is_told_and_holds(void **state)
 {
     struct dg_hf_model made = *delivered();
@@ -193,6 +232,8 @@ int main(void)
         cmocka_unit_test(the_stored_resolution_is_counted),
         cmocka_unit_test(a_preset_stays_in_the_stored_range),
         cmocka_unit_test(the_stored_memory_is_handed_out),
+        cmocka_unit_test(more_blocks_than_there_can_be_are_the_models),
+        cmocka_unit_test(what_is_another_makes_is_named),
         cmocka_unit_test(the_stored_label_is_told_and_holds),
         cmocka_unit_test(the_stored_temperature_limit_is_watched),
         cmocka_unit_test(an_image_makes_the_encoder_it_was),

@@ -461,6 +461,7 @@ static void results_have_words(void **state)
     (void)state;
     for (int result = -14; result <= 0; result++) {
         assert_string_not_equal(dg_host_result_text(result), "unknown result");
+        assert_string_not_equal(dg_host_result_text(result), "");
     }
     assert_string_equal(dg_host_result_text(1), "unknown result");
     assert_string_equal(dg_host_result_text(-15), "unknown result");
