@@ -25,15 +25,19 @@ static void write_text(void *to, const char *text, size_t n)
     assert_int_equal(fwrite(text, 1, n, to), n);
 }
 
-static struct file print(const char *model)
+static struct file print_device(const struct dg_co_device *device)
 {
-    const struct dg_cia406_model *const encoder = dg_cia406_model_of(dg_device_find(model));
     struct file file = {NULL, 0};
     FILE *to = open_memstream(&file.text, &file.size);
     assert_non_null(to);
-    dg_co_eds(dg_cia406_sheet(encoder->device), write_text, to);
+    dg_co_eds(dg_cia406_sheet(device), write_text, to);
     assert_int_equal(fclose(to), 0);
     return file;
+}
+
+static struct file print(const char *model)
+{
+    return print_device(dg_cia406_model_of(dg_device_find(model))->device);
 }
 
 /* The value of a key in a section; NULL when there is none. The next call overwrites it. */
@@ -197,6 +201,16 @@ static void models_differ_where_they_should(void **state)
 }
 
 /* Numbers have no leading zeros, but for an object's index and its data type. */
+/* 16 bits of turns make no other product of it. */
+static void more_turns_are_the_same_product(void **state)
+{
+    struct file file = print_device(&dg_cia406_multiturn_32);
+    (void)state;
+    assert_value(&file, "DeviceInfo", "ProductName", "F3668");
+    assert_value(&file, "DeviceInfo", "OrderCode", "F3668");
+    free(file.text);
+}
+
 static void numbers_are_as_short_as_they_are(void **state)
 {
     struct dg_co_sheet sheet = *dg_cia406_sheet_of(&dg_f3668);
@@ -375,6 +389,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(known_values),
         cmocka_unit_test(models_differ_where_they_should),
+        cmocka_unit_test(more_turns_are_the_same_product),
         cmocka_unit_test(numbers_are_as_short_as_they_are),
         cmocka_unit_test(sheets_are_those_of_their_models),
         cmocka_unit_test(lists_and_sections_agree),
