@@ -28,7 +28,4 @@ void cf_summary(const struct cf_suite *suite, FILE *to);
 /** The steps of an S36 with BiSS (biss_steps.c). One bench: not for two at a time. */
 const struct cf_device *cf_biss(void);
 
-/** The steps of an OCD with INTERBUS (interbus_steps.c). One bench: not for two at a time. */
-const struct cf_device *cf_interbus(void);
-
 #endif

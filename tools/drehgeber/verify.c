@@ -22,7 +22,8 @@
 
 #define BESIDE "share/drehgeber/clauses"
 
-static const struct verify_protocol *const protocols[] = {&verify_hiperface, &verify_canopen};
+static const struct verify_protocol *const protocols[] = {&verify_hiperface, &verify_canopen,
+                                                    &verify_interbus};
 
 /* What --help and the lines call what a row needs. */
 static const struct {
@@ -36,6 +37,7 @@ static const struct {
     {CF_WRITE, "to change the encoder and to change it back (--write)"},
     {CF_ONE_WAY, "to change the encoder for good (--irreversible)"},
     {CF_POWER, "a supply that can be cut (--power)"},
+    {CF_RING, "other encoders on its wire, or a wire that is cut"},
 };
 
 /* --- the rehearsal --- */
@@ -501,7 +503,8 @@ static int refuse_options(const struct options *options, struct lx_error *error)
                          "without --write, verify changes nothing");
     }
     if (options->wire == NULL || options->where == NULL) {
-        return lx_refuse(error, "expected --tty=/dev/ttyUSB0 or --can=can0, for example",
+        return lx_refuse(error,
+                         "expected --tty=/dev/ttyUSB0, --can=can0 or --modbus=HOST:PORT, for example",
                          "verify needs the wire that leads to the encoder");
     }
     return 0;

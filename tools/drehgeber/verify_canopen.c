@@ -534,6 +534,7 @@ static struct verify_encoder *open_encoder(const struct options *options, struct
 const struct verify_protocol verify_canopen = {
     .stack = &dg_cia406_stack,
     .suites = {"canopen", "cia406"},
+    .choices = "CD",
     .writes =
         "objects, by SDO: communication, TPDOs and their mapping, scaling, working areas, customer memory",
     .rows = cf_canopen,

@@ -533,6 +533,7 @@ static struct verify_encoder *open_encoder(const struct options *options, struct
 const struct verify_protocol verify_hiperface = {
     .stack = &dg_hf_stack,
     .suites = {"hiperface"},
+    .choices = "RD",
     .writes = "position and counter, data fields, access codes, address, setting of the line",
     .rows = cf_hiperface,
     .open = open_encoder,

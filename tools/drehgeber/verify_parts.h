@@ -56,7 +56,8 @@ struct verify_protocol {
     const struct dg_stack *stack;
     const char *suites[VERIFY_SUITES_MAX]; /* names of lists of clauses; NULL: no more */
     const struct cf_device *(*rows)(void);
-    const char *writes; /* what it may write, in words */
+    const char *choices; /* letters with which the numbers of decisions begin */
+    const char *writes;  /* what it may write, in words */
     /* Open the wire, find the encoder and ask what it is; with options->restore only the wire is
        opened. NULL with `error`. To be closed. */
     struct verify_encoder *(*open)(const struct options *options, struct lx_error *error);
@@ -79,7 +80,7 @@ struct verify_protocol {
     void (*close)(struct verify_encoder *self);
 };
 
-extern const struct verify_protocol verify_hiperface, verify_canopen;
+extern const struct verify_protocol verify_hiperface, verify_canopen, verify_interbus;
 
 /* cf_fail(), and `outcome` is what became of the row. */
 bool verify_fail(struct verify_encoder *self, enum verify_outcome outcome, struct cf_report *report,

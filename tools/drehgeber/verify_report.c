@@ -149,10 +149,10 @@ void verify_print_junit(const struct verify_result *result, FILE *to)
 }
 
 /* Decisions have a letter before a number: R6a-2, C33-1, D-led; clauses of a manual begin with a
-   digit, or with M, V or CIA. */
-static bool is_choice(const char *id)
+   digit, or with another letter, or with CIA. */
+static bool is_choice(const struct verify_result *result, const char *id)
 {
-    return strchr("RCD", id[0]) != NULL && strncmp(id, "CIA", 3) != 0;
+    return strchr(result->encoder->protocol->choices, id[0]) != NULL && strncmp(id, "CIA", 3) != 0;
 }
 
 static void print_found(const struct verify_result *result, bool choices, FILE *to)
@@ -165,9 +165,9 @@ static void print_found(const struct verify_result *result, bool choices, FILE *
             if (!verify_asked(result, found.clause->id)) {
                 continue;
             }
-            const bool told = choices
-                                  ? is_choice(found.clause->id) && found.outcome != VERIFY_NOT_SEEN
-                                  : found.outcome == VERIFY_DIFFERS;
+            const bool told =
+                choices ? is_choice(result, found.clause->id) && found.outcome != VERIFY_NOT_SEEN
+                        : found.outcome == VERIFY_DIFFERS;
             if (told) {
                 (void)fprintf(to, "- %s %s: %s%s%s\n", suite->name, found.clause->id,
                               words[found.outcome], found.text[0] == '\0' ? "" : ": ", found.text);

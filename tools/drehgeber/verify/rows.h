@@ -42,7 +42,8 @@ enum cf_need {
     CF_POWER = 1u << 3,  /**< a supply that can be cut */
     CF_ALONE = 1u << 4,  /**< nobody else on the wire whom a request reaches */
     CF_WRITE = 1u << 5,  /**< that the encoder may be changed, and changed back */
-    CF_ONE_WAY = 1u << 6 /**< that it may be changed for good */
+    CF_ONE_WAY = 1u << 6, /**< that it may be changed for good */
+    CF_RING = 1u << 7     /**< other encoders on its wire, or a wire that is cut */
 };
 
 /** A kind of step. The first one of a device's table begins every row. */
@@ -162,5 +163,8 @@ const struct cf_device *cf_hiperface(void);
 
 /** The steps of an F36x8 on CAN (canopen_steps.c). One bench: not for two at a time. */
 const struct cf_device *cf_canopen(void);
+
+/** The steps of an OCD with INTERBUS (interbus_steps.c). One bench: not for two at a time. */
+const struct cf_device *cf_interbus(void);
 
 #endif
