@@ -14,6 +14,7 @@
 #include <unistd.h>
 
 #include "complain.h"
+#include "eds_file.h"
 #include "say.h"
 #include "stacks.h"
 #include "timer.h"
@@ -23,7 +24,7 @@
 #define BESIDE "share/drehgeber/clauses"
 
 static const struct verify_protocol *const protocols[] = {&verify_hiperface, &verify_canopen,
-                                                    &verify_interbus};
+                                                          &verify_interbus};
 
 /* What --help and the lines call what a row needs. */
 static const struct {
@@ -426,22 +427,34 @@ static int find_folder(char *to, size_t size, struct lx_error *error)
                : lx_fail(error, "no clauses at %s; $" VERIFY_FOLDER " names their folder", to);
 }
 
-static int load_suites(struct verify *self, struct lx_error *error)
+static int load_files(struct cf_suite *to, const char *name, struct lx_error *error)
 {
     char folder[PATH_MAX];
+    char clauses[PATH_MAX + 64];
+    char rows[PATH_MAX + 64];
     if (find_folder(folder, sizeof folder, error) != 0) {
         return -1;
     }
-    for (size_t i = 0; i < VERIFY_SUITES_MAX && self->protocol->suites[i] != NULL; i++) {
+    (void)snprintf(clauses, sizeof clauses, "%s/%s.clauses", folder, name);
+    (void)snprintf(rows, sizeof rows, "%s/%s.rows", folder, name);
+    return cf_load(to, clauses, rows, NULL)
+               ? 0
+               : lx_fail(error, "%s: these clauses cannot be read", folder);
+}
+
+static int load_suites(struct verify *self, struct lx_error *error)
+{
+    const struct verify_protocol *protocol = self->protocol;
+    for (size_t i = 0; i < VERIFY_SUITES_MAX && protocol->suites[i] != NULL; i++) {
         struct verify_suite *suite = &self->result.suites[i];
-        char clauses[PATH_MAX + 64];
-        char rows[PATH_MAX + 64];
-        suite->name = self->protocol->suites[i];
-        (void)snprintf(clauses, sizeof clauses, "%s/%s.clauses", folder, suite->name);
-        (void)snprintf(rows, sizeof rows, "%s/%s.rows", folder, suite->name);
+        suite->name = protocol->suites[i];
         suite->rows = calloc(1, sizeof *suite->rows);
-        if (suite->rows == NULL || !cf_load(suite->rows, clauses, rows, NULL)) {
-            return lx_fail(error, "%s: these clauses cannot be read", folder);
+        if (suite->rows == NULL) {
+            return lx_fail(error, "no memory");
+        }
+        if ((protocol->load != NULL ? protocol->load(self->options, suite->rows, error)
+                                    : load_files(suite->rows, suite->name, error)) != 0) {
+            return -1;
         }
         suite->rows->rows_name = suite->name;
         suite->results = calloc(suite->rows->row_count + 1u, sizeof *suite->results);
@@ -470,8 +483,12 @@ static void unload_suites(struct verify *self)
 
 /* --- the command --- */
 
-static const struct verify_protocol *protocol_of(const struct dg_device *device)
+static const struct verify_protocol *protocol_of(const struct options *options)
 {
+    const struct dg_device *device = options->device;
+    if (options->eds != NULL) {
+        return &verify_canopen_file;
+    }
     for (size_t i = 0; device != NULL && i < DG_COUNT(protocols); i++) {
         if (protocols[i]->stack == device->stack) {
             return protocols[i];
@@ -493,19 +510,23 @@ static int refuse_options(const struct options *options, struct lx_error *error)
     if (options->model == NULL) {
         return lx_refuse(error, right.text, "verify needs a model");
     }
-    if (protocol_of(options->device) == NULL) {
+    if (protocol_of(options) == NULL) {
         return lx_refuse(error, right.text, "verify has no clauses for %s", options->model);
     }
 
+    if ((options->write || options->restore) && protocol_of(options)->writes == NULL) {
+        return lx_refuse(error, "expected neither --write nor --restore",
+                         "verify only reads what a file describes");
+    }
     if ((options->journal != NULL || options->irreversible) && !options->write &&
         !options->restore) {
         return lx_refuse(error, "expected --write as well",
                          "without --write, verify changes nothing");
     }
     if (options->wire == NULL || options->where == NULL) {
-        return lx_refuse(error,
-                         "expected --tty=/dev/ttyUSB0, --can=can0 or --modbus=HOST:PORT, for example",
-                         "verify needs the wire that leads to the encoder");
+        return lx_refuse(
+            error, "expected --tty=/dev/ttyUSB0, --can=can0 or --modbus=HOST:PORT, for example",
+            "verify needs the wire that leads to the encoder");
     }
     return 0;
 }
@@ -656,8 +677,8 @@ int verify_command(const struct options *options)
     if (refuse_options(options, &error) != 0) {
         return complain(&error, 2);
     }
-    self.protocol = protocol_of(options->device);
-    self.result.model = options->device->name;
+    self.protocol = protocol_of(options);
+    self.result.model = options->eds != NULL ? options->eds->path : options->device->name;
     self.result.words = options->words;
     self.result.word_count = options->word_count;
     self.allowed = (options->alone ? CF_ALONE : 0u) | (options->write ? CF_WRITE : 0u) |

@@ -12,6 +12,7 @@
 #include "drehgeber/devices.h"
 #include "timer.h"
 #include "verify_canopen.h"
+#include "verify_eds.h"
 #include "verify_stream.h"
 
 /* --- the bus --- */
@@ -232,10 +233,36 @@ static bool judge_frame_values(struct canopen *self, const struct cf_unit *expec
     return report_frame(self, expected, came, report);
 }
 
+/* The answer to an upload, whatever the model says to it. */
+static bool judge_relation(struct canopen *self, const struct cf_relation *relation,
+                           struct cf_report *report)
+{
+    struct dg_can_frame came = {.dlc = 0};
+    char text[2][100];
+    const struct cf_unit sent = {self->request.id, false, self->request.data, self->request.dlc};
+    const int result = verify_canopen_receive_id(self, (uint16_t)(SDO_ANSWER + self->node),
+                                                 self->base.since + ANSWER_MAX, &came, report);
+    const struct cf_unit unit = {came.id, came.rtr, result > 0 ? came.data : NULL, came.dlc};
+    if (result < 0) {
+        return false;
+    }
+    const enum cf_verdict verdict = relation->judge(relation->ctx, &unit);
+    if (verdict == CF_AGREES) {
+        return true;
+    }
+    (void)verify_print_unit(&sent, text[0], sizeof text[0]);
+    (void)verify_print_unit(&unit, text[1], sizeof text[1]);
+    return verify_fail(&self->base, verdict == CF_UNKNOWN ? VERIFY_NOT_SEEN : VERIFY_DIFFERS,
+                       report, "sent%s; expected %s; came%s", text[0], relation->text, text[1]);
+}
+
 static bool on_answered(void *ctx, const struct cf_answer *answer, struct cf_report *report)
 {
     struct canopen *self = ctx;
     struct dg_can_frame came;
+    if (answer->relation != NULL) {
+        return judge_relation(self, answer->relation, report);
+    }
     if (!is_as_delivered(answer)) {
         return verify_fail(&self->base, VERIFY_NOT_SEEN, report,
                            "needs an encoder in its delivery state");
@@ -469,17 +496,6 @@ static int measure_node(struct canopen *self, const char *where, struct lx_error
     return 0;
 }
 
-static int take_node(struct canopen *self, const char *node, struct lx_error *error)
-{
-    char *end = NULL;
-    const unsigned long id = node == NULL ? ROW_NODE : strtoul(node, &end, 10);
-    if ((node != NULL && (end == node || *end != '\0')) || id < 1 || id > 127) {
-        return lx_refuse(error, "expected 1..127", "--node %s", node);
-    }
-    self->node = (uint8_t)id;
-    return 0;
-}
-
 /* An upload of 1000h hurts nobody. */
 static int scan(struct verify_encoder *base, struct lx_error *error)
 {
@@ -518,13 +534,14 @@ static struct verify_encoder *open_encoder(const struct options *options, struct
         (void)lx_fail(error, "no memory");
         return NULL;
     }
-    self->device = options->device;
+    self->device = options->eds == NULL ? options->device : NULL;
     self->alone = options->alone;
     self->wire.fd = -1;
-    if (take_node(self, options->node, error) != 0 ||
+    if (verify_eds_node(options->node, &self->node, error) != 0 ||
         verify_frames_open(&self->wire, options->wire->name, options->where, error) != 0 ||
-        (!options->restore && (identify_node(self, options->where, error) != 0 ||
-                               measure_node(self, options->where, error) != 0))) {
+        (!options->restore &&
+         (identify_node(self, options->where, error) != 0 ||
+          (self->device != NULL && measure_node(self, options->where, error) != 0)))) {
         close_encoder(&self->base);
         return NULL;
     }
@@ -545,5 +562,20 @@ const struct verify_protocol verify_canopen = {
     .begin = begin,
     .end = end,
     .put_back = verify_canopen_put_back,
+    .close = close_encoder,
+};
+
+const struct verify_protocol verify_canopen_file = {
+    .stack = &dg_cia406_stack,
+    .suites = {"eds"},
+    .load = verify_eds_load,
+    .choices = "",
+    .rows = cf_canopen,
+    .open = open_encoder,
+    .scan = scan,
+    .rehearse = rehearse,
+    .needs = needs_of,
+    .begin = begin,
+    .end = end,
     .close = close_encoder,
 };

@@ -55,9 +55,11 @@ struct verify_encoder {
 struct verify_protocol {
     const struct dg_stack *stack;
     const char *suites[VERIFY_SUITES_MAX]; /* names of lists of clauses; NULL: no more */
+    /* Make the only list; NULL: they are files. 0, or -1 with `error`. */
+    int (*load)(const struct options *options, struct cf_suite *suite, struct lx_error *error);
     const struct cf_device *(*rows)(void);
     const char *choices; /* letters with which the numbers of decisions begin */
-    const char *writes;  /* what it may write, in words */
+    const char *writes;  /* what it may write, in words; NULL: nothing, and put_back is, too */
     /* Open the wire, find the encoder and ask what it is; with options->restore only the wire is
        opened. NULL with `error`. To be closed. */
     struct verify_encoder *(*open)(const struct options *options, struct lx_error *error);
@@ -80,7 +82,8 @@ struct verify_protocol {
     void (*close)(struct verify_encoder *self);
 };
 
-extern const struct verify_protocol verify_hiperface, verify_canopen, verify_interbus;
+extern const struct verify_protocol verify_hiperface, verify_canopen, verify_canopen_file,
+    verify_interbus;
 
 /* cf_fail(), and `outcome` is what became of the row. */
 bool verify_fail(struct verify_encoder *self, enum verify_outcome outcome, struct cf_report *report,

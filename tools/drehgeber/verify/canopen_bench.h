@@ -46,8 +46,19 @@ void canopen_run_until(struct canopen_bench *b, dg_ns until, bool stop_at_frame)
 /** "5ms", "300us", "1s"; 0 when it is none of them. `*end` is what follows. */
 dg_ns canopen_span(const char *word, const char **end);
 
+/** Send a request, and expect the next frame of the node to be in this relation to it. @return false
+ * after cf_fail() */
+bool canopen_ask(struct canopen_bench *b, const struct dg_can_frame *request,
+                 const struct cf_relation *relation, struct cf_report *report);
+/** Take "1018:1" apart into an SDO request. @return false after cf_fail() */
+bool canopen_parse_object(const char *word, struct dg_can_frame *to, struct cf_report *report);
+
+/** upload INDEX:SUB there|write-only | size N | is BYTES | delivered BYTES | within LOW HIGH [signed] */
+bool canopen_step_upload(void *ctx, char **words, size_t n, struct cf_report *report);
 /** world QUANTITY N: a cause, in the unit of dg_world; bits are 0 and 1 */
 bool canopen_step_world(void *ctx, char **words, size_t n, struct cf_report *report);
+/** bus off|active|passive|overrun|absent|present: what the CAN controller reports */
+bool canopen_step_bus(void *ctx, char **words, size_t n, struct cf_report *report);
 /** led bus|err on|off|T: lit, dark, or T lit and T dark */
 bool canopen_step_led(void *ctx, char **words, size_t n, struct cf_report *report);
 /** leds together|apart: both in the same phase, or in opposite phase, for half a second */

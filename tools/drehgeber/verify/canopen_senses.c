@@ -108,3 +108,26 @@ bool canopen_step_leds(void *ctx, char **words, size_t n, struct cf_report *repo
     }
     return held || cf_fail(report, "leds together|apart: they are not");
 }
+
+/* bus off|active|passive|overrun|absent|present: what the CAN controller reports, and whether there
+ * is a bus; what is said of that without power holds when the power comes */
+bool canopen_step_bus(void *ctx, char **words, size_t n, struct cf_report *report)
+{
+    struct canopen_bench *b = ctx;
+    static const struct {
+        const char *word;
+        enum dg_co_bus_event event;
+    } events[] = {
+        {"active", DG_CO_BUS_ACTIVE}, {"passive", DG_CO_BUS_PASSIVE},
+        {"off", DG_CO_BUS_OFF},       {"overrun", DG_CO_BUS_OVERRUN},
+        {"absent", DG_CO_BUS_ABSENT}, {"present", DG_CO_BUS_PRESENT},
+    };
+
+    for (size_t i = 0; n == 2 && i < DG_COUNT(events); i++) {
+        if (strcmp(words[1], events[i].word) == 0) {
+            canopen_note_deadline(b, dg_co_bus(&b->node, b->now, events[i].event));
+            return true;
+        }
+    }
+    return cf_fail(report, "bus off|active|passive|overrun|absent|present");
+}

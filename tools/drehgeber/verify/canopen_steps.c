@@ -290,6 +290,34 @@ static bool expect_frame(struct canopen_bench *b, const struct dg_can_frame *wan
     return true;
 }
 
+bool canopen_ask(struct canopen_bench *b, const struct dg_can_frame *request,
+                 const struct cf_relation *relation, struct cf_report *report)
+{
+    if (!deliver_frame(b, request, report)) {
+        return false;
+    }
+    canopen_run_until(b, b->now + PATIENCE, true);
+    const struct dg_can_frame *got = next_frame(b);
+    const struct cf_unit unit = got != NULL ? unit_of(got) : (struct cf_unit){.bytes = NULL};
+    const bool agrees = relation->judge(relation->ctx, &unit) == CF_AGREES;
+    /* What a model that has nothing to do with the encoder answers is no matter. */
+    const struct cf_answer answer = {
+        .want = agrees || trial.device == NULL ? unit : (struct cf_unit){.bytes = NULL},
+        .got = unit,
+        .relation = relation,
+    };
+    char hex[64] = "nothing";
+
+    b->seen += got != NULL ? 1u : 0u;
+    if (is_beside()) {
+        return trial.beside.ops->answered(trial.beside.ctx, &answer, report);
+    }
+    if (got != NULL) {
+        print_frame(hex, sizeof hex, got);
+    }
+    return agrees || cf_fail(report, "expected %s\n    got      %s", relation->text, hex);
+}
+
 /* "@10ms" or "@13ms..15ms": the next frame is sent then, counted from now, and not earlier. */
 static bool run_to_frame(struct canopen_bench *b, const char *word, struct cf_report *report)
 {
@@ -355,7 +383,7 @@ static bool step_skip(void *ctx, char **words, size_t n, struct cf_report *repor
 /* --- expedited SDO ------------------------------------------------------------------------- */
 
 /* "1018:1" */
-static bool parse_object(const char *word, struct dg_can_frame *to, struct cf_report *report)
+bool canopen_parse_object(const char *word, struct dg_can_frame *to, struct cf_report *report)
 {
     char *rest;
     unsigned long index = strtoul(word, &rest, 16);
@@ -384,7 +412,7 @@ static bool step_sdo(void *ctx, char **words, size_t n, struct cf_report *report
     if (n < 2 || given > 4 || (given == 0) != (reads && aborts)) {
         return cf_fail(report, "read INDEX:SUB BYTES, write INDEX:SUB BYTES [abort CODE]");
     }
-    if (!parse_object(words[1], &request, report)) {
+    if (!canopen_parse_object(words[1], &request, report)) {
         return false;
     }
     memcpy(answer.data, request.data, 4);
@@ -570,29 +598,6 @@ static bool step_rpm(void *ctx, char **words, size_t n, struct cf_report *report
     return n == 2 || cf_fail(report, "rpm N | ramp N");
 }
 
-/* bus off|active|passive|overrun|absent|present: what the CAN controller reports, and whether there
- * is a bus; what is said of that without power holds when the power comes */
-static bool step_bus(void *ctx, char **words, size_t n, struct cf_report *report)
-{
-    struct canopen_bench *b = ctx;
-    static const struct {
-        const char *word;
-        enum dg_co_bus_event event;
-    } events[] = {
-        {"active", DG_CO_BUS_ACTIVE}, {"passive", DG_CO_BUS_PASSIVE},
-        {"off", DG_CO_BUS_OFF},       {"overrun", DG_CO_BUS_OVERRUN},
-        {"absent", DG_CO_BUS_ABSENT}, {"present", DG_CO_BUS_PRESENT},
-    };
-
-    for (size_t i = 0; n == 2 && i < DG_COUNT(events); i++) {
-        if (strcmp(words[1], events[i].word) == 0) {
-            canopen_note_deadline(b, dg_co_bus(&b->node, b->now, events[i].event));
-            return true;
-        }
-    }
-    return cf_fail(report, "bus off|active|passive|overrun|absent|present");
-}
-
 static bool step_eeprom(void *ctx, char **words, size_t n, struct cf_report *report)
 {
     struct canopen_bench *b = ctx;
@@ -645,12 +650,13 @@ static const struct cf_step steps[] = {
     {"read",   step_sdo,            true,  0},         {"write",  step_sdo,            true,  0},
     {"wait",   step_wait,           false, 0},         {"turn",   step_turn,           false, CF_SHAFT},
     {"rpm",    step_rpm,            false, CF_SHAFT},  {"ramp",   step_rpm,            false, CF_SHAFT},
-    {"bus",    step_bus,            false, CF_INSIDE}, {"power",  step_power,          false, CF_POWER},
+    {"bus",    canopen_step_bus,            false, CF_INSIDE}, {"power",  step_power,          false, CF_POWER},
     {"eeprom", step_eeprom,         false, CF_INSIDE}, {"damage", step_memory,         false, CF_INSIDE},
     {"stored", step_memory,         false, CF_INSIDE}, {"node",   step_node,           false, CF_INSIDE},
     {"rate",   step_rate,           true,  CF_INSIDE}, {"late",   step_late,           false, CF_INSIDE},
     {"world",  canopen_step_world,  false, CF_INSIDE}, {"led",    canopen_step_led,    true,  CF_INSIDE},
     {"leds",   canopen_step_leds,   true,  CF_INSIDE}, {"eds",    step_eds,            true,  CF_INSIDE},
+    {"upload", canopen_step_upload, true,  0},
 };
 /* clang-format on */
 

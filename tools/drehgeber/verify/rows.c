@@ -170,6 +170,16 @@ bool cf_load(struct cf_suite *suite, const char *clauses_name, const char *rows_
            parse_lines(suite, suite->texts[1], parse_row_line);
 }
 
+bool cf_load_texts(struct cf_suite *suite, const char *name, char *clauses, char *rows)
+{
+    memset(suite, 0, sizeof *suite);
+    suite->clauses_name = name;
+    suite->rows_name = name;
+    suite->texts[0] = clauses;
+    suite->texts[1] = rows;
+    return parse_lines(suite, clauses, parse_clause) && parse_lines(suite, rows, parse_row_line);
+}
+
 void cf_unload(struct cf_suite *suite)
 {
     free(suite->texts[0]);

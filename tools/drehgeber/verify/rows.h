@@ -23,8 +23,8 @@
 #include <stdint.h>
 #include <stdio.h>
 
-#define CF_CLAUSES_MAX 800u
-#define CF_ROWS_MAX 800u
+#define CF_CLAUSES_MAX 4000u
+#define CF_ROWS_MAX 4000u
 #define CF_LINES_MAX 8000u
 #define CF_CITED_MAX 8u
 #define CF_WORDS_MAX 300u
@@ -36,12 +36,12 @@ struct cf_report {
 
 /** What a step needs beside the wire when the encoder is a real one; bits. */
 enum cf_need {
-    CF_SHAFT = 1u << 0,  /**< a shaft that is turned, as far and as fast as the step says */
-    CF_INSIDE = 1u << 1, /**< somebody who changes, or sees, what no wire leads to */
-    CF_EXACT = 1u << 2,  /**< times on the wire that are exact to a bit time */
-    CF_POWER = 1u << 3,  /**< a supply that can be cut */
-    CF_ALONE = 1u << 4,  /**< nobody else on the wire whom a request reaches */
-    CF_WRITE = 1u << 5,  /**< that the encoder may be changed, and changed back */
+    CF_SHAFT = 1u << 0,   /**< a shaft that is turned, as far and as fast as the step says */
+    CF_INSIDE = 1u << 1,  /**< somebody who changes, or sees, what no wire leads to */
+    CF_EXACT = 1u << 2,   /**< times on the wire that are exact to a bit time */
+    CF_POWER = 1u << 3,   /**< a supply that can be cut */
+    CF_ALONE = 1u << 4,   /**< nobody else on the wire whom a request reaches */
+    CF_WRITE = 1u << 5,   /**< that the encoder may be changed, and changed back */
     CF_ONE_WAY = 1u << 6, /**< that it may be changed for good */
     CF_RING = 1u << 7     /**< other encoders on its wire, or a wire that is cut */
 };
@@ -63,13 +63,28 @@ struct cf_unit {
     size_t n;
 };
 
+/** What a row makes of an answer that it does not know byte for byte. */
+enum cf_verdict {
+    CF_AGREES,
+    CF_DIFFERS,
+    CF_UNKNOWN /**< it says nothing about the clause: the encoder is in another state */
+};
+
+/** A relation that an answer has to be in, whatever the model says. */
+struct cf_relation {
+    enum cf_verdict (*judge)(const void *ctx, const struct cf_unit *came);
+    const void *ctx;
+    const char *text; /**< what is expected, in words */
+};
+
 /** What a row expects to be answered, and what the model has answered. */
 struct cf_answer {
     struct cf_unit want;
-    struct cf_unit got;   /**< bytes NULL: nothing */
-    uint64_t earliest_ns; /**< behind what was sent last; 0: the row does not say */
-    uint64_t latest_ns;   /**< likewise */
-    bool timed;           /**< the row says when */
+    struct cf_unit got;                 /**< bytes NULL: nothing */
+    uint64_t earliest_ns;               /**< behind what was sent last; 0: the row does not say */
+    uint64_t latest_ns;                 /**< likewise */
+    bool timed;                         /**< the row says when */
+    const struct cf_relation *relation; /**< in place of `want`; NULL: bytes are expected */
 };
 
 /**
@@ -152,6 +167,9 @@ struct cf_clause *cf_find_clause(struct cf_suite *suite, const char *id);
 /** Read the files; `page_name` may be NULL. @return false after saying on stderr what is wrong */
 bool cf_load(struct cf_suite *suite, const char *clauses_name, const char *rows_name,
              const char *page_name);
+/** The same of texts that are no files, and are the suite's from now on. NULL: there was no memory for
+ * one. */
+bool cf_load_texts(struct cf_suite *suite, const char *name, char *clauses, char *rows);
 void cf_unload(struct cf_suite *suite);
 
 /** Run one row. @return false with the reason, file and line in `report` */
