@@ -3,6 +3,7 @@
 read. The encoder is a few lines of Python behind a network, which does what no encoder of ours would."""
 import contextlib
 import re
+import select
 import socket
 import subprocess
 import threading
@@ -10,7 +11,7 @@ from xml.etree import ElementTree
 
 import pytest
 
-from rig import PROGRAM, free_port, run, run_refused
+from rig import PROGRAM, Encoder, free_port, run, run_refused
 from verified import WIRES
 
 NODE = 63
@@ -184,6 +185,84 @@ def test_wires_that_are_not_there(tmp_path):
 @pytest.mark.parametrize("node", ["0", "128", "x", "5x"])
 def test_nodes_that_there_are_not(node):
     assert f"--node {node}; " in run_refused(1, "verify", "f3668", "--slcan=/dev/null", f"--node={node}")
+
+
+# --- serial ports and buses of a network
+
+class Telnet(threading.Thread):
+    """A serial port behind telnet, which offers and wants more than the command knows."""
+    OFFERS = b"\xff\xfb\x01\xff\xfd\x18\xff\xfd\x2c\xff\xfa\x2c\x6b\xff\xff\xff\xf0"  # echo, terminal type; COM port; a modem state
+
+    def __init__(self, port: int):
+        super().__init__(daemon=True)
+        self.far = socket.create_connection(("127.0.0.1", port))
+        self.listener = socket.create_server(("127.0.0.1", 0))
+        self.where = f"--rs485=rfc2217:127.0.0.1:{self.listener.getsockname()[1]}"
+        self.sent = b""
+
+    def run(self):
+        with contextlib.suppress(OSError), self.listener.accept()[0] as near, self.far as far:
+            for wire in near, far:
+                wire.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+            near.sendall(self.OFFERS)
+            while ready := select.select([near, far], [], [], LIMIT_S)[0]:
+                for wire in ready:
+                    data = wire.recv(4096)
+                    if not data:
+                        return
+                    self.sent += data if wire is near else b""
+                    (far if wire is near else near).sendall(data)
+
+
+def test_a_serial_port_behind_telnet():
+    """It is told the setting, FFh is doubled both ways, and what it offers beside that is declined."""
+    port = free_port()
+    encoder = Encoder(["s3684-rs485", f"--rs485=rfc2217:127.0.0.1:{port}", "--shaft", "359.997DEG", "--set", "pace=0"])
+    telnet = Telnet(port)
+    telnet.start()
+    ended = run("verify", "s3684-rs485", telnet.where, "5.1.2.1-", "5.1.2.14-6")
+    telnet.join(LIMIT_S)
+    assert encoder.clean_up() == []
+    assert ended.returncode == 0 and "agrees   5.1.2.14-6" in ended.stdout and ", 0 differ, " in ended.stdout, ended
+    assert b"\xff\xfa\x2c\x01\0\0\x25\x80\xff\xf0" in telnet.sent and b"\xff\xfa\x2c\x03\x03\xff\xf0" in telnet.sent
+    assert b"\xff\xfe\x01" in telnet.sent and b"\xff\xfc\x18" in telnet.sent and b"\xff\xfc\x2c" not in telnet.sent
+
+
+def test_a_bus_behind_socketcand():
+    """It has no remote frames: clauses of node guarding are not seen."""
+    port = free_port()
+    encoder = Encoder(["f3668", f"--socketcand=127.0.0.1:{port}"])
+    where = f"--socketcand=127.0.0.1:{port}"
+    found = run("verify", "f3668", where, "M12", "M19", "--quiet")
+    guarded = run("verify", "f3668", where, "CIA-5-1")
+    assert encoder.clean_up() == []
+    assert "agrees" not in guarded.stdout.splitlines()[1] and "that this host cannot make exactly" in guarded.stdout, guarded
+    assert found.returncode == 0 and "agrees   M12-7" in found.stdout and ", 0 differ, " in found.stdout, found
+
+
+SERVERS = {
+    "silent": b"",
+    "another one": b"HTTP/1.1 400\r\n\r\n",
+    "without the bus": b"< hi >< error could not open bus >",
+    "endless": b"< hi >" + b"< frame 5BF 1.0 00 >" * 500,
+}
+
+
+@pytest.mark.parametrize("greeting", SERVERS.values(), ids=SERVERS)
+def test_servers_without_a_bus(greeting):
+    def greet():
+        with contextlib.suppress(OSError), listener.accept()[0] as wire:
+            wire.sendall(greeting)
+            while wire.recv(4096):
+                pass
+
+    with socket.create_server(("127.0.0.1", 0)) as listener:
+        thread = threading.Thread(target=greet, daemon=True)
+        thread.start()
+        where = "127.0.0.1:%d" % listener.getsockname()[1]
+        assert run_refused(1, "verify", "f3668", f"--socketcand={where}").startswith(
+            f"drehgeber: {where}: no socketcand that opens this bus; ")
+        thread.join(LIMIT_S)
 
 
 # --- files

@@ -72,7 +72,7 @@ static const struct {
             "out wires, motions, gears and files of the rig.\n\n"
             "  drehgeber fmu s3684-biss --output axis.fmu\n"
             "  drehgeber fmu vendor.eds --output vendor.fmu\n"},
-    {"verify", "WIRE is --tty, --pty or --rs485=tcp:HOST:PORT for RS485, --can or --slcan for\n"
+    {"verify", "WIRE is --tty, --pty or --rs485 for RS485, --can, --slcan or --socketcand for\n"
                "CANopen, and --modbus for INTERBUS. Without --write, verify changes nothing.\n"
                "Without --alone, it sends nothing that another device would obey. It prints\n"
                "'agrees', 'differs' or 'not seen: why' for each clause. The status is 1 when a\n"

@@ -371,6 +371,9 @@ static unsigned needs_of(struct verify_encoder *base, const struct cf_unit *requ
         request->bytes[0] <= 0x17u) {
         return CF_ALONE | CF_ONE_WAY; /* its node number, its bit rate */
     }
+    if (request->rtr && !verify_frames_has_remote(&of(base)->wire)) {
+        return CF_EXACT;
+    }
     return request->id == GUARDING && request->rtr ? 0u : CF_ALONE;
 }
 
@@ -536,7 +539,7 @@ static struct verify_encoder *open_encoder(const struct options *options, struct
     }
     self->device = options->eds == NULL ? options->device : NULL;
     self->alone = options->alone;
-    self->wire.fd = -1;
+    self->wire.stream.fd = -1;
     if (verify_eds_node(options->node, &self->node, error) != 0 ||
         verify_frames_open(&self->wire, options->wire->name, options->where, error) != 0 ||
         (!options->restore &&

@@ -33,7 +33,7 @@ static bool drain_line(struct hiperface *self)
     uint8_t bytes[256];
     size_t thrown = 0;
     long n;
-    while ((n = verify_stream_receive(self->fd, lx_real_now(), bytes, sizeof bytes)) > 0) {
+    while ((n = verify_stream_receive(&self->wire, lx_real_now(), bytes, sizeof bytes)) > 0) {
         thrown += (size_t)n;
         self->quiet = lx_real_now();
         verify_stream_sleep(self->quiet + bits(PAUSE_BITS));
@@ -50,7 +50,7 @@ static bool send_request(struct hiperface *self, const uint8_t *bytes, size_t n,
     verify_stream_sleep(self->quiet + bits(PAUSE_BITS + 1u));
     self->request.n = n < sizeof self->request.bytes ? n : sizeof self->request.bytes;
     memcpy(self->request.bytes, bytes, self->request.n);
-    if (verify_stream_send(self->fd, bytes, n) != 0) {
+    if (verify_stream_send(&self->wire, bytes, n) != 0) {
         return verify_fail(&self->base, VERIFY_LOST, report, "the wire takes nothing any more");
     }
     self->sent = lx_real_now() + bits(n * CHARACTER_BITS);
@@ -62,9 +62,10 @@ static bool send_request(struct hiperface *self, const uint8_t *bytes, size_t n,
 static bool receive_frame(struct hiperface *self, dg_ns until, size_t length, struct frame *to,
                           struct cf_report *report)
 {
+    const dg_ns idle = self->wire.network ? NETWORK_IDLE : IDLE;
     to->n = 0;
     while (to->n < length && to->n < sizeof to->bytes) {
-        const long n = verify_stream_receive(self->fd, to->n == 0 ? until : self->quiet + IDLE,
+        const long n = verify_stream_receive(&self->wire, to->n == 0 ? until : self->quiet + idle,
                                              to->bytes + to->n, sizeof to->bytes - to->n);
         if (n < 0) {
             return verify_fail(&self->base, VERIFY_LOST, report, "the wire is gone");
@@ -263,7 +264,7 @@ static bool on_sent(void *ctx, const struct cf_unit *request, struct cf_report *
         return false;
     }
     uint8_t bytes[256];
-    const long n = verify_stream_receive(self->fd, lx_real_now(), bytes, sizeof bytes);
+    const long n = verify_stream_receive(&self->wire, lx_real_now(), bytes, sizeof bytes);
     if (n != 0) {
         char text[400];
         const struct cf_unit came = {.bytes = bytes, .n = n > 0 ? (size_t)n : 0};
@@ -502,9 +503,7 @@ static void close_encoder(struct verify_encoder *base)
 {
     struct hiperface *self = of(base);
     cf_hiperface_try(NULL);
-    if (self->fd >= 0) {
-        (void)close(self->fd);
-    }
+    verify_stream_close(&self->wire);
     free(self);
 }
 
@@ -520,8 +519,7 @@ static struct verify_encoder *open_encoder(const struct options *options, struct
     self->trial.temperature_mdegc = 37000;
     self->moves = MOVES_MAX;
     self->quiet = lx_real_now();
-    self->fd = verify_stream_open(options->where, &uart, error);
-    if (self->fd < 0 ||
+    if (verify_stream_open(&self->wire, options->where, &uart, error) != 0 ||
         (!options->restore && (identify_encoder(self, options->where, error) != 0 ||
                                measure_encoder(self, options->where, error) != 0))) {
         close_encoder(&self->base);

@@ -5,14 +5,17 @@
 
 #include "hiperface_steps.h"
 #include "verify_parts.h"
+#include "verify_stream.h"
 
 #define FRAME_MAX DG_HF_FRAME_MAX
 #define ADDRESS 0x40u
 /* Bits of a character, and of the pause that ends a frame and that a master keeps behind one. */
 #define CHARACTER_BITS 11u
 #define PAUSE_BITS 55u
-/* A frame is over when nothing has come for so long; adapters hand over what came in pieces. */
+/* A frame is over when nothing has come for so long; adapters hand over what came in pieces, and
+   networks hold them up. */
 #define IDLE DG_MS(40)
+#define NETWORK_IDLE DG_MS(200)
 /* The longest time of 5.1.2 that a reply may take, and what a host adds to it. */
 #define REPLY_MAX DG_MS(300)
 /* How long an answer that must not come is waited for: those that read take 30 ms at most. */
@@ -40,7 +43,7 @@ struct hiperface {
     struct verify_encoder base;
     struct dg_hf_model model;
     struct cf_hiperface_trial trial;
-    int fd;
+    struct verify_stream wire;
     dg_ns sent;  /* end of the last request, as the line has it */
     dg_ns quiet; /* of the last byte in either direction */
     dg_ns jitter;
