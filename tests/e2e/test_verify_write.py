@@ -111,7 +111,7 @@ def test_one_whose_answer_from_its_new_address_is_lost_is_found_there(crowd):
 
     with Between(folder / "link", lose) as wire:
         ended = verify("s3684-rs485", wire.path, "5.1.2.16-7", "--json", "--write", "--journal", folder / "journal")
-    assert lost and results(ended)["hiperface", "5.1.2.16-7"] == ("agrees", "")
+    assert lost and results(ended)[WIRES["s3684-rs485"][2][0], "5.1.2.16-7"] == ("agrees", "")
     assert state("s3684-rs485", folder) == before
 
 
