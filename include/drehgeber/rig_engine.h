@@ -12,6 +12,7 @@
  *   dg_engine_power(engine, now, &error)
  *   dg_bus_rx(dg_engine_bus(engine, 0), &event)                         what a master does
  *   next = dg_engine_step(engine, now)                                  time goes on
+ *   dg_engine_save(engine, state, dg_engine_state_size(engine))         another one goes on from it
  *
  * An engine has a struct dg_rig (control.h): that is what clients of the control plane see of any
  * rig, whoever runs it, so the rig that runs by itself has another name.
@@ -160,6 +161,35 @@ DG_API dg_ns dg_engine_step(struct dg_engine *self, dg_ns now);
 
 /** The same moment; nothing happens. */
 DG_API dg_ns dg_engine_next(const struct dg_engine *self);
+
+/** Bytes of a state of the rig as it is now: what waits on its wires is in it, so that another
+ * moment may need more. */
+DG_API size_t dg_engine_state_size(const struct dg_engine *self);
+
+/**
+ * Save the rig: what goes on from it is the same, byte for byte and nanosecond for nanosecond:
+ *
+ *   in it       the moment; shafts; encoders with settings, EEPROMs (dg_host_save()) and the faults
+ *               at work; how far courses are; what is between the encoders (dg_bus_save())
+ *   not in it   plan and setup, with the points of motions and courses; EEPROMs of the host
+ *               (dg_host_memory_port()); clients of the control plane; masters of the host
+ *
+ * There is no pointer in it. What is due before the present has to be done (dg_engine_step()).
+ * @return enum dg_host_result: 0; DG_HOST_ERR_SPACE: `n` is less than its size; DG_HOST_ERR_STATE:
+ * a bus is behind its encoders, or a motion or a course is played that only the host knows
+ */
+DG_API int dg_engine_save(struct dg_engine *self, void *to, size_t n);
+
+/**
+ * Go on from a state that a rig of the same plan and the same build of the library has saved, maybe
+ * in another process. It is made by dg_engine_make(); it need not have had power. What a state says
+ * is believed, whoever made it, but nothing that would lead out of memory or never end.
+ * @return enum dg_host_result: 0; nothing was changed: DG_HOST_ERR_SPACE: too short,
+ * DG_HOST_ERR_OTHER: of other parts or another build. DG_HOST_ERR_DAMAGED: its sum is wrong, or,
+ * as other results of parts, they do not go together: some of them have changed then, and nothing
+ * but another state makes it a rig again
+ */
+DG_API int dg_engine_restore(struct dg_engine *self, const void *from, size_t n);
 
 /** The bus of wire `index` of the plan. */
 DG_API struct dg_bus *dg_engine_bus(const struct dg_engine *self, size_t index);

@@ -88,6 +88,7 @@ static size_t lists_size(const struct dg_plan *plan)
            round_up(plan->shaft_count * sizeof(struct engine_shaft)) +
            round_up(plan->encoder_count * sizeof(struct engine_encoder)) +
            round_up(plan->wire_count * sizeof(struct engine_wire)) +
+           round_up(dg_engine_course_count(plan) * sizeof(struct engine_course)) +
            round_up(plan->shaft_count * sizeof(struct dg_rig_shaft *)) +
            round_up(plan->encoder_count * sizeof(struct dg_encoder *));
 }
@@ -103,6 +104,7 @@ void dg_engine_lay_out(struct dg_engine *self, const struct dg_engine_setup *set
     self->shafts = carve_memory(&at, plan->shaft_count * sizeof(struct engine_shaft));
     self->encoders = carve_memory(&at, plan->encoder_count * sizeof(struct engine_encoder));
     self->wires = carve_memory(&at, plan->wire_count * sizeof(struct engine_wire));
+    self->courses = carve_memory(&at, dg_engine_course_count(plan) * sizeof(struct engine_course));
     self->control.shafts = carve_memory(&at, plan->shaft_count * sizeof(struct dg_rig_shaft *));
     self->control.encoders = carve_memory(&at, plan->encoder_count * sizeof(struct dg_encoder *));
     self->handles = at;

@@ -55,6 +55,8 @@ static int begin_shaft_motion(struct dg_engine *self, size_t index, struct dg_pl
     }
     if (find_motion(self, index, &motion, error) == 0) {
         struct dg_text text = dg_text_in(shaft->profile, sizeof shaft->profile);
+        shaft->points = motion.points;
+        shaft->point_count = motion.point_count;
         (void)dg_shaft_set_position(&shaft->control.shaft, 0, dg_motion_angle(&motion, 0));
         dg_text_add(&text, row->motion);
         return dg_shaft_play(&shaft->control.shaft, self->setup.begin, &motion);

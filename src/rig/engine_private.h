@@ -3,10 +3,10 @@
  * @file
  * Inside of a rig at work. engine_layout.c says what stands where, engine_make.c makes it of a plan
  * (engine_settings.c: of its settings), engine_run.c moves it on, engine_ops.c serves the control
- * plane.
+ * plane, engine_state.c keeps it.
  *
- *   | struct dg_engine | shafts | encoders | wires | their lists | handles | buses, each with its
- * room |
+ *   | struct dg_engine | shafts | encoders | wires | courses | their lists | handles | buses, each
+ * with its room |
  */
 #ifndef DREHGEBER_ENGINE_PRIVATE_H
 #define DREHGEBER_ENGINE_PRIVATE_H
@@ -23,8 +23,16 @@
 
 /** A shaft. */
 struct engine_shaft {
-    struct dg_rig_shaft control;      /**< first: the control plane's */
-    char profile[ENGINE_PROFILE_MAX]; /**< the motion that is played */
+    struct dg_rig_shaft control;          /**< first: the control plane's */
+    char profile[ENGINE_PROFILE_MAX];     /**< the motion that is played */
+    const struct dg_motion_point *points; /**< of the file that the plan names; NULL: none */
+    size_t point_count;
+};
+
+/** A course that the plan names. */
+struct engine_course {
+    struct dg_rig_course *it; /**< the host's */
+    size_t encoder;
 };
 
 /** An encoder. */
@@ -51,8 +59,10 @@ struct dg_engine {
     struct engine_shaft *shafts;
     struct engine_encoder *encoders;
     struct engine_wire *wires;
-    uint8_t *handles; /**< one behind the other, in the order of the encoders */
-    uint8_t *buses;   /**< likewise, of the wires */
+    struct engine_course *courses; /**< in the order of the plan */
+    size_t course_count;           /**< of those that were made */
+    uint8_t *handles;              /**< one behind the other, in the order of the encoders */
+    uint8_t *buses;                /**< likewise, of the wires */
     dg_ns now;
     char address[ENGINE_ADDRESS_MAX]; /**< of the encoder asked for last */
 };
@@ -73,8 +83,13 @@ void dg_engine_lay_out(struct dg_engine *self, const struct dg_engine_setup *set
  * @return 0, or -1 with `error` */
 int dg_engine_set_encoder(struct dg_engine *self, size_t index, struct dg_plan_error *error);
 
+/** How many courses the plan names. */
+size_t dg_engine_course_count(const struct dg_plan *plan);
 /** All are made: quantities that follow a course begin to. @return as above */
 int dg_engine_begin_courses(struct dg_engine *self, struct dg_plan_error *error);
+
+/** engine_run.c: an encoder has its device, if it was switched on once. */
+void dg_engine_know_device(struct engine_encoder *encoder);
 
 /** engine_ops.c: the bus that this encoder is on. */
 struct dg_bus *dg_engine_bus_of(const struct dg_engine *self, const struct engine_encoder *encoder);

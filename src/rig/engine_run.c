@@ -22,6 +22,14 @@ static int refuse_start(const struct dg_engine *self, size_t index, int result,
     return DG_ERR_ARGUMENT;
 }
 
+void dg_engine_know_device(struct engine_encoder *encoder)
+{
+    const bool made = dg_host_made(encoder->host);
+
+    encoder->control.device = made ? dg_host_line_of(encoder->host)->device : NULL;
+    encoder->control.nvm = made ? dg_host_setup(encoder->host).nvm : (struct dg_nvm){.ops = NULL};
+}
+
 int dg_engine_power_encoder(struct dg_engine *self, size_t index, dg_ns now,
                             struct dg_plan_error *error)
 {
@@ -31,8 +39,7 @@ int dg_engine_power_encoder(struct dg_engine *self, size_t index, dg_ns now,
     if (result != DG_HOST_OK) {
         return refuse_start(self, index, result, error);
     }
-    encoder->control.device = dg_host_line_of(encoder->host)->device;
-    encoder->control.nvm = dg_host_setup(encoder->host).nvm;
+    dg_engine_know_device(encoder);
     return 0;
 }
 

@@ -342,14 +342,32 @@ int dg_engine_set_encoder(struct dg_engine *self, size_t index, struct dg_plan_e
 
 /* ---------------------------------------------------------------- courses */
 
+static const struct dg_key *find_course_row(const struct dg_plan_setting *setting)
+{
+    return dg_course_is(setting->value) ? dg_keys_find(&dg_world_keys, setting->key) : NULL;
+}
+
+size_t dg_engine_course_count(const struct dg_plan *plan)
+{
+    size_t n = 0;
+
+    for (size_t i = 0; i < plan->encoder_count; i++) {
+        const struct dg_plan_settings *settings = &plan->encoders[i].settings;
+        for (size_t j = 0; j < settings->count; j++) {
+            n += find_course_row(&settings->list[j]) != NULL ? 1u : 0u;
+        }
+    }
+    return n;
+}
+
 /* What can be told by the words alone is right already. */
 static int begin_course(struct dg_engine *self, size_t index, const struct dg_plan_setting *setting,
                         struct dg_plan_error *error)
 {
-    const struct dg_key *row = dg_keys_find(&dg_world_keys, setting->key);
+    const struct dg_key *row = find_course_row(setting);
     struct dg_course_words words;
 
-    if (row == NULL || !dg_course_is(setting->value)) {
+    if (row == NULL) {
         return 0;
     }
     (void)dg_course_read(setting->value, &words, error);
@@ -362,6 +380,7 @@ static int begin_course(struct dg_engine *self, size_t index, const struct dg_pl
     course->course.steps = words.steps || dg_quantities[course->quantity].unit == DG_UNIT_STATE;
     if (dg_rig_follow(&self->control, &self->encoders[index].control, course, self->setup.begin) ==
         DG_OK) {
+        self->courses[self->course_count++] = (struct engine_course){course, index};
         return 0;
     }
     (void)dg_plan_refuse(error, NULL, RIG_SAY("a loop needs a time above 0"));

@@ -53,6 +53,11 @@ void engine_rig_power(struct engine_rig *self)
         dg_engine_power(self->engine, ENGINE_RIG_ON, &self->error) != DG_OK) {
         fail_with(&self->error);
     }
+    engine_rig_connect(self);
+}
+
+void engine_rig_connect(struct engine_rig *self)
+{
     dg_control_init(&self->client, dg_engine_control(self->engine), collect, self);
 }
 

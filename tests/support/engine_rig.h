@@ -34,7 +34,9 @@ void engine_rig_read(struct engine_rig *self, const char *text);
 void engine_rig_make(struct engine_rig *self);
 /** Make it, which must succeed, switch it on and connect the client. */
 void engine_rig_power(struct engine_rig *self);
-/** All of these. */
+/** Connect a new client to what was made. */
+void engine_rig_connect(struct engine_rig *self);
+/** Read, make, power. */
 void engine_rig_start(struct engine_rig *self, const char *text);
 /** What the client is told, without the newline. */
 const char *engine_rig_ask(struct engine_rig *self, dg_ns now, const char *line);
