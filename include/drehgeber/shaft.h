@@ -83,6 +83,11 @@ DG_API int dg_shaft_set_position(struct dg_shaft *self, dg_ns now, dg_angle angl
  * @return 0; DG_ERR_ARGUMENT beyond +-DG_MOTION_SPEED_MAX_MRPM, or for a geared shaft */
 DG_API int dg_shaft_set_velocity(struct dg_shaft *self, dg_ns now, int32_t mrpm);
 
+/** Be at `angle` at `now` and turn on at `prpm`, in 10^-12 rpm, whatever the acceleration: for
+ * hosts that know both from elsewhere.
+ * @return 0; DG_ERR_ARGUMENT beyond +-DG_MOTION_SPEED_MAX_MRPM, or for a geared shaft */
+DG_API int dg_shaft_turn(struct dg_shaft *self, dg_ns now, dg_angle angle, int64_t prpm);
+
 /**
  * Go to `target` and stay there: from the present angle and speed, with the acceleration, at most
  * at `mrpm` > 0 (faster than that at present: only until it has slowed down). Moving away, or too

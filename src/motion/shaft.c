@@ -514,6 +514,20 @@ int dg_shaft_set_velocity(struct dg_shaft *self, dg_ns now, int32_t mrpm)
     return DG_OK;
 }
 
+int dg_shaft_turn(struct dg_shaft *self, dg_ns now, dg_angle angle, int64_t prpm)
+{
+    if (self->driver != NULL || prpm < -SPEED_MAX || prpm > SPEED_MAX) {
+        return DG_ERR_ARGUMENT;
+    }
+    struct dg_shaft_phase phase = begin_motion(self, now);
+
+    phase.from = angle;
+    phase.part = 0;
+    phase.prpm = prpm;
+    append_phase(&self->course, &phase);
+    return DG_OK;
+}
+
 int dg_shaft_move(struct dg_shaft *self, dg_ns now, dg_angle target, int32_t mrpm)
 {
     if (self->driver != NULL || mrpm < 1 || mrpm > DG_MOTION_SPEED_MAX_MRPM) {

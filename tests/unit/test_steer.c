@@ -191,6 +191,33 @@ static void encoders_see_the_speed_between_commands(void **state)
 }
 
 /* A speed commanded again and again is as exact as one commanded once. */
+/* At an angle and a speed from elsewhere, whatever the acceleration. */
+static void turning_on_at_once(void **state)
+{
+    const int64_t rev_per_s = INT64_C(60000000000000);
+    const int64_t most = INT64_C(1000000000) * SPEED_MAX;
+    static const struct row rows[] = {
+        {DG_S(1), 100, REV_PER_S},
+        {DG_S(3) - 1, 100 + 2 * DG_TURN - 5, REV_PER_S},
+        {DG_S(3), 100 + 2 * DG_TURN, -REV_PER_S / 2},
+        {DG_S(5), 100 + DG_TURN, -REV_PER_S / 2},
+    };
+    struct dg_shaft driver = fresh(0);
+    struct dg_shaft shaft = fresh(REV_PER_S2);
+
+    (void)state;
+    assert_int_equal(dg_shaft_turn(&shaft, DG_S(1), 100, rev_per_s), DG_OK);
+    check_rows(&shaft, rows, 1);
+    assert_int_equal(dg_shaft_turn(&shaft, DG_S(3), 100 + 2 * DG_TURN, -rev_per_s / 2), DG_OK);
+    check_rows(&shaft, rows + 1, DG_COUNT(rows) - 1);
+    assert_int_equal(dg_shaft_turn(&shaft, DG_S(6), 0, most), DG_OK);
+    assert_int_equal(dg_shaft_mrpm(&shaft, DG_S(6)), SPEED_MAX);
+    assert_int_equal(dg_shaft_turn(&shaft, DG_S(6), 0, most + 1), DG_ERR_ARGUMENT);
+    assert_int_equal(dg_shaft_turn(&shaft, DG_S(6), 0, -most - 1), DG_ERR_ARGUMENT);
+    (void)dg_shaft_couple(&shaft, &driver, 1, 1);
+    assert_int_equal(dg_shaft_turn(&shaft, DG_S(6), 0, 0), DG_ERR_ARGUMENT);
+}
+
 static void no_drift_at_a_constant_speed(void **state)
 {
     uint64_t seed = 1;
@@ -588,6 +615,7 @@ int main(void)
         cmocka_unit_test(looking_back),
         cmocka_unit_test(standing_still),
         cmocka_unit_test(encoders_see_the_speed_between_commands),
+        cmocka_unit_test(turning_on_at_once),
         cmocka_unit_test(no_drift_at_a_constant_speed),
         cmocka_unit_test(no_drift_over_many_speed_changes),
         cmocka_unit_test(braking_ends_at_the_target),
