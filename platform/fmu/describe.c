@@ -85,7 +85,7 @@ static void binary3(const struct fmu_variable *row, FILE *to)
 {
     name3(row, "Binary", to);
     clocked_by(row, row->input ? FMU_RX_CLOCK : FMU_TX_CLOCK, to);
-    (void)fprintf(to, " maxSize=\"%u\"", FMU_WIRE_MAX);
+    (void)fprintf(to, " maxSize=\"%zu\"", row->room);
     attribute("mimeType",
               row->wire == 'c' ? "application/org.fmi-standard.fmi-ls-bus.can; version=\"1.0.0\""
                                : "application/x-drehgeber-rs485; version=\"1\"",
@@ -291,19 +291,20 @@ void fmu_describe_terminals(const struct fmu *self, FILE *to)
                 "<fmiTerminalsAndIcons fmiVersion=\"3.0\">\n  <Terminals>\n",
                 to);
     for (size_t i = 0; i < fmu_count(self); i++) {
-        if (!is_can(self, i)) {
+        const char *prefix = fmu_wire_prefix(self, i);
+        if (!is_can(self, i) || prefix == NULL) {
             continue;
         }
         (void)fprintf(to,
                       "    <Terminal name=\"%sCanChannel\""
                       " terminalKind=\"org.fmi-ls-bus.network-terminal\""
                       " matchingRule=\"org.fmi-ls-bus.transceiver\">\n",
-                      fmu_prefix(self, i));
+                      prefix);
         for (size_t k = 0; k < DG_COUNT(members); k++) {
             (void)fprintf(to,
                           "      <TerminalMemberVariable variableName=\"%sCanChannel.%s\""
                           " memberName=\"%s\" variableKind=\"signal\"/>\n",
-                          fmu_prefix(self, i), members[k], members[k]);
+                          prefix, members[k], members[k]);
         }
         (void)fputs("    </Terminal>\n", to);
     }

@@ -108,7 +108,8 @@ void *fmi_begin(struct fmi *self, const char *token, const char *resources)
 {
     char folder[4096] = "";
     (void)snprintf(folder, sizeof folder, "%s", resources == NULL ? "" : resources);
-    const struct fmu_files files = {read_resource, folder[0] == '\0' ? NULL : folder};
+    const struct fmu_files files = {.read = read_resource,
+                                    .ctx = folder[0] == '\0' ? NULL : folder};
     self->fmu = fmu_make_with(token, &files);
     if (self->fmu == NULL) {
         (void)fmi_failed(self, "the token (guid) of the model description is another build's",

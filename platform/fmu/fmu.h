@@ -4,13 +4,20 @@
  * Encoders as a co-simulator sees them: variables with numbers, steps, clocks. It knows nothing of
  * a version of FMI; fmi3.c and fmi2.c do, and describe.c writes what they are told of it.
  *
- * What encoders there are stands in a text, the token of the FMU:
- *   drehgeber VERSION NAME=MODEL[@OTHER][,KEY=VALUE]... [NAME=MODEL...]
- * NAME is empty when there is one encoder only; OTHER is the number of the encoder, counted from 0,
- * on whose shaft it sits. MODEL is the name of one that is built in; or of a text, with what it is:
+ * What encoders there are stands in a text, the token of the FMU. One encoder by itself:
+ *   drehgeber VERSION =MODEL[,KEY=VALUE]...
+ * MODEL is the name of one that is built in; or of a text, with what it is:
  *   NAME:BASE[;-HEIRLOOM]...[;FIGURE=VALUE]...
- * or a file that the FMU has, called by the CRC of its bytes: 89ABCDEF.eds.
- * What is no letter, digit, '.', '_' or '-' in NAME and VALUE is %XX.
+ * or a file that the FMU has, called by the CRC of its bytes: 89ABCDEF.eds. What is no letter,
+ * digit, '.', '_' or '-' in NAME and VALUE is %XX. A rig is such a file:
+ *   drehgeber VERSION 89ABCDEF.rig
+ * with all that a rig file and those that it names say, one part behind the other, each with its
+ * head as a line and so many bytes:
+ *   file BYTES NAME      a text that dg_plan_read() reads: first the rig file, then what it includes,
+ *                        by the path that leads there from its folder
+ *   model BYTES NAME     a model that is neither built in nor of these texts: MODEL, as above
+ *   motion BYTES LINE    the points of the motion in this line of the plan: AT ANGLE, a line each
+ *   course BYTES LINE    likewise of a course: AT VALUE
  */
 #ifndef DREHGEBER_FMU_H
 #define DREHGEBER_FMU_H
@@ -23,14 +30,16 @@
 
 /** Longest names, with their zero. */
 #define FMU_NAME_MAX 96u
-/** Bytes that wait for the importer at most, as LS-BUS says its maxSize. */
+/** Bytes that wait for the importer at most, for each encoder on a wire, as LS-BUS says its maxSize.
+ */
 #define FMU_WIRE_MAX 2048u
 /** Seconds that a simulation may last, and begin before or behind 0: 285 years. */
 #define FMU_TIME_MAX 9e9
 /** More entries no catalogue of faults has. */
 #define FMU_FAULTS_MAX 96u
 
-/** What a variable is; the number of one is encoder << 16 | group << 8 | index. */
+/** What a variable is; the number of one is encoder << 16 | group << 8 | index; of FMU_ANGLE and
+ * FMU_SPEED it is the shaft's << 16. */
 enum fmu_group {
     FMU_TIME,      /**< the independent one, of encoder 0 */
     FMU_INPUT,     /**< enum fmu_input */
@@ -77,6 +86,7 @@ struct fmu_variable {
     bool parameter; /**< fixed before the simulation begins */
     bool continuous;
     uint8_t wire; /**< BINARY: 'c' CAN, 's' serial */
+    size_t room;  /**< BINARY: most bytes of it */
     char name[FMU_NAME_MAX];
     char start[FMU_NAME_MAX]; /**< of inputs and parameters */
     const char *unit;         /**< of FMI's table in describe.c, "" without */
@@ -92,6 +102,8 @@ struct fmu_value {
     char text[FMU_NAME_MAX];
 };
 
+struct dg_plan_error;
+
 /** Encoders that go on together. */
 struct fmu;
 
@@ -100,6 +112,7 @@ struct fmu_files {
     /** The bytes of one, to be freed; NULL: there is none. */
     char *(*read)(void *ctx, const char *name, size_t *n);
     void *ctx;
+    struct dg_plan_error *error; /**< why a rig is none, without its file; NULL: nobody asks */
 };
 
 /** Make them of a token; NULL: it is of another version, of no known model or
@@ -119,6 +132,8 @@ size_t fmu_count(const struct fmu *self);
 /** Of one: the handle, and what its variables' names begin with: "" or "NAME.". */
 struct dg_host *fmu_host(const struct fmu *self, size_t encoder);
 const char *fmu_prefix(const struct fmu *self, size_t encoder);
+/** What the names of its wire begin with; NULL: another encoder is the first one on it. */
+const char *fmu_wire_prefix(const struct fmu *self, size_t encoder);
 
 /** Variable `index` of all; what is shown of faults switches its encoders on: describe an instance
  * of its own. @return whether there is one */
@@ -159,7 +174,7 @@ int fmu_binary_set(struct fmu *self, uint32_t reference, const uint8_t *bytes, s
 void fmu_clocks_end(struct fmu *self);
 
 /** Bytes of a state; save; go on from one, of the same token and build. */
-size_t fmu_state_size(const struct fmu *self);
+size_t fmu_state_size(struct fmu *self);
 int fmu_save(struct fmu *self, void *to, size_t n);
 int fmu_restore(struct fmu *self, const void *from, size_t n);
 

@@ -118,12 +118,22 @@ static void make_of(struct fmu_encoder *self, const struct dg_model_file *kind, 
 }
 
 /* Its name is its check sum, so that a token has one text only. */
+char *fmu_read_file(const struct fmu_files *files, const char *name, size_t *n)
+{
+    char *text = files == NULL ? NULL : files->read(files->ctx, name, n);
+    if (text != NULL && !is_sum_of(name, text, *n)) {
+        free(text);
+        return NULL;
+    }
+    return text;
+}
+
 static void take_model_file(struct fmu_encoder *self, const struct fmu_files *files)
 {
     const struct dg_model_file *kind = dg_model_file_of(self->model);
     size_t n = 0;
-    char *text = kind == NULL || files == NULL ? NULL : files->read(files->ctx, self->model, &n);
-    if (text != NULL && is_sum_of(self->model, text, n)) {
+    char *text = kind == NULL ? NULL : fmu_read_file(files, self->model, &n);
+    if (text != NULL) {
         make_of(self, kind, text, n);
     }
     free(text);

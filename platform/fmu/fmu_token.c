@@ -67,43 +67,12 @@ void *encoder_aligned(void *memory)
     return (char *)memory + (past == 0 ? 0 : DG_HOST_ALIGN - past);
 }
 
-/* @return NULL: `model` is none, or no memory */
-static struct dg_host *make_built_in(struct fmu_encoder *self)
+bool encoder_make_room(struct fmu_encoder *self, size_t count, bool comes)
 {
-    const size_t size = dg_host_size_of(self->model);
-    self->memory = size == 0 ? NULL : calloc(1, size + DG_HOST_ALIGN);
-    return self->memory == NULL ? NULL
-                                : dg_host_make(encoder_aligned(self->memory), size, self->model);
-}
-
-static struct dg_host *make_of_device(struct fmu_encoder *self)
-{
-    const struct dg_host_wire *wire = dg_host_wire_of(self->device);
-    const size_t size = dg_host_size(self->device, wire);
-    self->memory = calloc(1, size + DG_HOST_ALIGN);
-    if (self->memory == NULL) {
-        return NULL;
-    }
-    struct dg_host *host = dg_host_init(encoder_aligned(self->memory), size, self->device, wire);
-    if (host != NULL) {
-        dg_host_take_side(host, dg_bus_side_of(self->device));
-    }
-    return host;
-}
-
-static int encoder_make(struct fmu_encoder *self)
-{
-    free(self->memory);
-    free(self->panel_memory);
-    self->panel_memory = NULL;
-    self->panel = NULL;
-    self->host = self->device == NULL ? make_built_in(self) : make_of_device(self);
-    if (self->host == NULL) {
-        return -1;
-    }
-    self->has = encoder_has(self->host);
-    self->now = (struct fmu_course){.power = true, .frame = {.good = 0}};
-    return self->has != 0 ? 0 : -1;
+    self->room = count * FMU_WIRE_MAX;
+    self->out = calloc(1, self->room);
+    self->in = comes ? calloc(1, self->room) : NULL;
+    return self->out != NULL && (!comes || self->in != NULL);
 }
 
 static const char *take_token_settings(struct fmu_encoder *self, const char *at)
@@ -120,63 +89,69 @@ static const char *take_token_settings(struct fmu_encoder *self, const char *at)
     return at;
 }
 
-/* " NAME=MODEL@OTHER,KEY=VALUE" */
-static const char *take_encoder(struct fmu_encoder *self, const char *at, size_t index,
-                                const struct fmu_files *files)
+/* Behind "drehgeber VERSION ". @return whether it is one encoder, with its settings */
+static bool take_encoder(struct fmu *self, const char *at, const struct fmu_files *files)
 {
-    char name[FMU_NAME_MAX / 2];
-    at = encoder_word(at + 1, "=", name, sizeof name);
-    at = at == NULL || *at != '=' ? NULL : encoder_take_model(self, at + 1, files);
-    if (at == NULL || encoder_make(self) != 0) {
-        return NULL;
+    at = *at != '=' ? NULL : encoder_take_model(self->encoders, at + 1, files);
+    if (at == NULL || self->ops->make(self) != 0) {
+        return false;
     }
-    (void)snprintf(self->prefix, sizeof self->prefix, "%s%s", name, *name == '\0' ? "" : ".");
-    self->owner = -1;
-    if (*at == '@') {
-        char *end = NULL;
-        const unsigned long owner = strtoul(at + 1, &end, 10);
-        if (owner >= index) {
-            return NULL;
-        }
-        self->owner = (int)owner;
-        at = end;
-    }
-    return take_token_settings(self, at);
+    at = take_token_settings(self->encoders, at);
+    return at != NULL && *at == '\0';
 }
 
-static int build_token(struct fmu *self, const struct fmu_files *files)
+/* Encoders are as they were delivered. */
+static void rewind_courses(struct fmu *self)
 {
-    static const char head[] = "drehgeber " DG_VERSION;
-    const char *at = self->token + strlen(head);
-    if (strncmp(self->token, head, strlen(head)) != 0) {
-        return -1;
-    }
-    for (size_t i = 0; i < self->count; i++) {
-        at = *at == ' ' ? take_encoder(&self->encoders[i], at, i, files) : NULL;
-        if (at == NULL) {
-            return -1;
-        }
-    }
-    for (size_t i = 0; i < self->count; i++) {
-        const int owner = self->encoders[i].owner;
-        if (owner >= 0 &&
-            dg_host_share(self->encoders[i].host, self->encoders[owner].host) != DG_HOST_OK) {
-            return -1;
-        }
-    }
     self->start = 0;
     self->now = 0;
     self->started = false;
-    return *at == '\0' ? 0 : -1;
+    for (size_t i = 0; i < self->count; i++) {
+        self->encoders[i].now = (struct fmu_course){.power = true, .frame = {.good = 0}};
+        self->encoders[i].unread = false;
+    }
+    for (size_t i = 0; i < self->shaft_count; i++) {
+        self->shafts[i].now = (struct fmu_turn){.angle = 0};
+    }
 }
 
-static size_t encoders_in(const char *token)
+static const char *skip_head(const char *token)
 {
-    size_t n = 0;
-    for (; *token != '\0'; token++) {
-        n += *token == ' ' ? 1 : 0;
+    static const char head[] = "drehgeber " DG_VERSION " ";
+    return strncmp(token, head, strlen(head)) == 0 ? token + strlen(head) : NULL;
+}
+
+static bool build_token(struct fmu *self, const struct fmu_files *files)
+{
+    const char *at = skip_head(self->token);
+    rewind_courses(self);
+    return self->rig != NULL ? self->ops->make(self) == 0 : take_encoder(self, at, files);
+}
+
+/* Its parts, which a rig has of its file. */
+static bool make_one(struct fmu *self)
+{
+    self->ops = &fmu_alone_ops;
+    self->encoders = calloc(1, sizeof *self->encoders);
+    self->shafts = calloc(1, sizeof *self->shafts);
+    if (self->encoders == NULL || self->shafts == NULL) {
+        return false;
     }
-    return n - (n > 0 ? 1 : 0); /* behind "drehgeber" stands the version */
+    self->count = self->shaft_count = 1;
+    self->encoders->all = self;
+    self->encoders->leads = true;
+    self->shafts->input = true;
+    (void)snprintf(self->shafts->prefix, sizeof self->shafts->prefix, "shaft.");
+    return encoder_make_room(self->encoders, 1, false);
+}
+
+static bool make_parts(struct fmu *self, const struct fmu_files *files)
+{
+    const char *at = skip_head(self->token);
+    if (at == NULL) {
+        return false;
+    }
+    return *at == '=' ? make_one(self) : fmu_rig_read(self, at, files);
 }
 
 struct fmu *fmu_make(const char *token)
@@ -193,13 +168,10 @@ struct fmu *fmu_make_with(const char *token, const struct fmu_files *files)
         return NULL;
     }
     self->token = malloc(n + 1);
-    self->count = encoders_in(token);
-    self->encoders = calloc(self->count + 1, sizeof *self->encoders);
     if (self->token != NULL) {
         memcpy(self->token, token, n + 1);
     }
-    if (self->token == NULL || self->encoders == NULL || self->count == 0 ||
-        build_token(self, files) != 0) {
+    if (self->token == NULL || !make_parts(self, files) || !build_token(self, files)) {
         fmu_free(self);
         return NULL;
     }
@@ -211,17 +183,21 @@ void fmu_free(struct fmu *self)
     if (self == NULL) {
         return;
     }
-    for (size_t i = 0; self->encoders != NULL && i < self->count; i++) {
-        free(self->encoders[i].memory);
-        free(self->encoders[i].panel_memory);
+    if (self->ops != NULL) {
+        self->ops->free(self);
+    }
+    for (size_t i = 0; i < self->count; i++) {
         free(self->encoders[i].made);
+        free(self->encoders[i].out);
+        free(self->encoders[i].in);
     }
     free(self->encoders);
+    free(self->shafts);
     free(self->token);
     free(self);
 }
 
 int fmu_reset(struct fmu *self)
 {
-    return build_token(self, NULL);
+    return build_token(self, NULL) ? 0 : -1;
 }

@@ -18,20 +18,19 @@ static struct fmu_value integer(uint64_t value, enum fmu_type type)
     return (struct fmu_value){.type = type, .real = (double)value, .integer = (int64_t)value};
 }
 
+static int get_turn(const struct fmu_turn *turn, uint32_t reference, struct fmu_value *to)
+{
+    *to = real((reference & 0xFFu) == FMU_ANGLE ? turn->angle : turn->speed);
+    return DG_HOST_OK;
+}
+
 static int get_input(const struct fmu_encoder *encoder, uint32_t index, struct fmu_value *to)
 {
-    switch ((enum fmu_input)index) {
-    case FMU_ANGLE:
-        *to = real(encoder->now.angle);
-        return DG_HOST_OK;
-    case FMU_SPEED:
-        *to = real(encoder->now.speed);
-        return DG_HOST_OK;
-    case FMU_POWER:
-        *to = integer(encoder->now.power, FMU_BOOL);
-        return DG_HOST_OK;
+    if (index != FMU_POWER) {
+        return DG_HOST_ERR_NAME;
     }
-    return DG_HOST_ERR_NAME;
+    *to = integer(encoder->now.power, FMU_BOOL);
+    return DG_HOST_OK;
 }
 
 /* Without power there is none, and nothing on the line: 0. */
@@ -110,6 +109,10 @@ int fmu_get(struct fmu *self, uint32_t reference, struct fmu_value *to)
     const uint32_t index = reference & 0xFFu;
     const enum fmu_group group = (enum fmu_group)(reference >> 8 & 0xFFu);
     struct fmu_encoder *encoder = fmu_encoder_of(self, reference, group);
+    const struct fmu_shaft *shaft = fmu_shaft_of(self, reference);
+    if (shaft != NULL) {
+        return get_turn(&shaft->now, reference, to);
+    }
     if (encoder == NULL) {
         return DG_HOST_ERR_NAME;
     }
@@ -148,37 +151,38 @@ static int set_power(struct fmu *self, struct fmu_encoder *encoder, bool on)
     if (!changes || !self->started) {
         return DG_HOST_OK;
     }
-    const int result = dg_host_power(encoder->host, self->now, on);
-    const bool counts = on && (encoder->has & FMU_HAS_FRAMES) != 0;
+    const int result = self->ops->power(encoder, on);
+    const bool counts = on && (encoder->has & FMU_HAS_FRAMES) != 0 && !encoder->shares;
     return counts && result == DG_HOST_OK ? wire_reset(encoder, self->now) : result;
+}
+
+static int set_turn(struct fmu_turn *turn, uint32_t reference, const struct fmu_value *value)
+{
+    if (!fits_variable(value, FMU_REAL) || !fmu_is_small(value->real, 1e300)) {
+        return DG_HOST_ERR_ARGUMENT;
+    }
+    if ((reference & 0xFFu) == FMU_ANGLE) {
+        turn->angle = value->real;
+        turn->angle_new = true;
+    } else {
+        /* What it turned until now, it turned with the other one. */
+        turn->speed_new = turn->speed_new || value->real != turn->speed;
+        turn->speed = value->real;
+    }
+    return DG_HOST_OK;
 }
 
 static int set_input(struct fmu *self, struct fmu_encoder *encoder, uint32_t index,
                      const struct fmu_value *value)
 {
-    if (!fits_variable(value, index == FMU_POWER ? FMU_BOOL : FMU_REAL)) {
-        return DG_HOST_ERR_ARGUMENT;
+    if (index != FMU_POWER) {
+        return DG_HOST_ERR_NAME;
     }
-    if (index < FMU_POWER && (encoder->owner >= 0 || !fmu_is_small(value->real, 1e300))) {
-        return DG_HOST_ERR_ARGUMENT;
-    }
-    switch ((enum fmu_input)index) {
-    case FMU_ANGLE:
-        encoder->now.angle = value->real;
-        encoder->now.angle_new = true;
-        return DG_HOST_OK;
-    case FMU_SPEED:
-        /* What it turned until now, it turned with the other one. */
-        encoder->now.speed_new = encoder->now.speed_new || value->real != encoder->now.speed;
-        encoder->now.speed = value->real;
-        return DG_HOST_OK;
-    case FMU_POWER:
-        return set_power(self, encoder, value->integer != 0);
-    }
-    return DG_HOST_ERR_NAME;
+    return fits_variable(value, FMU_BOOL) ? set_power(self, encoder, value->integer != 0)
+                                          : DG_HOST_ERR_ARGUMENT;
 }
 
-static int set_world(struct fmu *self, struct fmu_encoder *encoder, const struct dg_host_key *key,
+static int set_world(struct fmu_encoder *encoder, const struct dg_host_key *key,
                      const struct fmu_value *value)
 {
     double scaled = value->real;
@@ -188,11 +192,10 @@ static int set_world(struct fmu *self, struct fmu_encoder *encoder, const struct
     if (!fmu_is_small(scaled, 9e15)) {
         return DG_HOST_ERR_ARGUMENT;
     }
-    return dg_host_world_set(encoder->host, self->now, key->name, fmu_nearest(scaled));
+    return encoder->all->ops->sense(encoder, key->name, fmu_nearest(scaled));
 }
 
-static int set_key(struct fmu *self, struct fmu_encoder *encoder, uint32_t index,
-                   const struct fmu_value *value)
+static int set_key(struct fmu_encoder *encoder, uint32_t index, const struct fmu_value *value)
 {
     struct dg_host_key key;
     char text[FMU_NAME_MAX];
@@ -203,7 +206,7 @@ static int set_key(struct fmu *self, struct fmu_encoder *encoder, uint32_t index
         return DG_HOST_ERR_ARGUMENT;
     }
     if (key.always) {
-        return set_world(self, encoder, &key, value);
+        return set_world(encoder, &key, value);
     }
     if (value->type == FMU_TEXT) {
         return dg_host_set(encoder->host, key.name, value->text);
@@ -216,26 +219,14 @@ static int set_key(struct fmu *self, struct fmu_encoder *encoder, uint32_t index
     return dg_host_set(encoder->host, key.name, text);
 }
 
-static int set_fault(struct fmu *self, struct fmu_encoder *encoder, uint32_t index, bool on)
-{
-    struct dg_host_fault fault;
-    struct dg_host_panel *panel = encoder_panel(self, encoder);
-    int result = panel == NULL ? DG_HOST_ERR_STATE : dg_host_fault(panel, index, &fault);
-    if (result == DG_HOST_OK) {
-        result = dg_host_fault_set(panel, self->now, fault.name, on);
-    }
-    wire_collect(encoder);
-    return result;
-}
-
-int encoder_begin_fault(struct fmu *self, struct fmu_encoder *encoder, uint32_t index)
+int encoder_begin_fault(struct fmu_encoder *encoder, uint32_t index)
 {
     const bool on = (encoder->now.faults[index / 64u] >> index % 64u & 1u) != 0;
-    return on ? set_fault(self, encoder, index, true) : DG_HOST_OK;
+    return on ? encoder->all->ops->fault(encoder, index, true) : DG_HOST_OK;
 }
 
 /* Before power those that are set wait for it. */
-int encoder_set_fault(struct fmu *self, struct fmu_encoder *encoder, uint32_t index, bool on)
+int encoder_set_fault(struct fmu_encoder *encoder, uint32_t index, bool on)
 {
     if (index >= FMU_FAULTS_MAX) {
         return DG_HOST_ERR_NAME;
@@ -245,7 +236,8 @@ int encoder_set_fault(struct fmu *self, struct fmu_encoder *encoder, uint32_t in
     if (on == ((*bits & bit) != 0)) {
         return DG_HOST_OK;
     }
-    const int result = self->started ? set_fault(self, encoder, index, on) : DG_HOST_OK;
+    const int result =
+        encoder->all->started ? encoder->all->ops->fault(encoder, index, on) : DG_HOST_OK;
     if (result == DG_HOST_OK || !on) {
         *bits ^= bit;
     }
@@ -257,25 +249,27 @@ int fmu_set(struct fmu *self, uint32_t reference, const struct fmu_value *value)
     const uint32_t index = reference & 0xFFu;
     const enum fmu_group group = (enum fmu_group)(reference >> 8 & 0xFFu);
     struct fmu_encoder *encoder = fmu_encoder_of(self, reference, group);
+    struct fmu_shaft *shaft = fmu_shaft_of(self, reference);
+    if (shaft != NULL) {
+        return set_turn(&shaft->now, reference, value); /* it begins later, with fmu_settle() */
+    }
     if (encoder == NULL) {
         return DG_HOST_ERR_NAME;
     }
-    if (group != FMU_INPUT || index == FMU_POWER) {
-        fmu_latch_unread(self); /* angle and speed begin later, with fmu_settle() */
-    }
+    fmu_latch_unread(self);
     switch (group) {
     case FMU_INPUT:
         return set_input(self, encoder, index, value);
     case FMU_PARAMETER:
     case FMU_WORLD:
         fmu_settle(self);
-        return set_key(self, encoder, index, value);
+        return set_key(encoder, index, value);
     case FMU_FAULT:
         if (!fits_variable(value, FMU_BOOL)) {
             return DG_HOST_ERR_ARGUMENT;
         }
         fmu_settle(self);
-        return encoder_set_fault(self, encoder, index, value->integer != 0);
+        return encoder_set_fault(encoder, index, value->integer != 0);
     case FMU_TIME:
     case FMU_OUTPUT:
     case FMU_BUS:

@@ -42,23 +42,24 @@ static uint16_t get_le16(const uint8_t *from)
 }
 
 /* Room for `n` bytes; NULL: the importer is behind, and has to fetch first. */
-static uint8_t *room(struct fmu_course *now, size_t n)
+static uint8_t *find_room(struct fmu_encoder *self, size_t n)
 {
+    struct fmu_course *now = &self->now;
     if (now->taken) {
         now->waiting = 0;
         now->taken = false;
     }
-    if (n > sizeof now->out - now->waiting) {
+    if (n > self->room - now->waiting) {
         return NULL;
     }
-    uint8_t *at = now->out + now->waiting;
-    now->waiting = (uint16_t)(now->waiting + n);
+    uint8_t *at = self->out + now->waiting;
+    now->waiting += (uint32_t)n;
     return at;
 }
 
-static uint8_t *put_operation(struct fmu_course *now, uint32_t code, size_t n)
+static uint8_t *put_operation(struct fmu_encoder *self, uint32_t code, size_t n)
 {
-    uint8_t *at = room(now, n);
+    uint8_t *at = find_room(self, n);
     if (at != NULL) {
         put_le32(at, code);
         put_le32(at + 4, (uint32_t)n);
@@ -68,9 +69,10 @@ static uint8_t *put_operation(struct fmu_course *now, uint32_t code, size_t n)
 
 /* --- CAN --- */
 
-static void frame_out(struct fmu_course *now, const struct dg_host_event *event)
+static void put_frame(struct fmu_encoder *self, struct fmu_encoder *from,
+                      const struct dg_host_event *event)
 {
-    uint8_t *at = put_operation(now, TRANSMIT, TRANSMIT_SIZE + (size_t)event->length);
+    uint8_t *at = put_operation(self, TRANSMIT, TRANSMIT_SIZE + (size_t)event->length);
     if (at == NULL) {
         return;
     }
@@ -81,30 +83,30 @@ static void frame_out(struct fmu_course *now, const struct dg_host_event *event)
     at[15] = 0;
     memcpy(at + TRANSMIT_SIZE, event->data, event->length);
     if (event->id > 0x80u && event->id < 0x100u && event->length == 8) { /* EMCY */
-        now->error = (uint32_t)event->data[0] | (uint32_t)event->data[1] << 8 |
-                     (uint32_t)event->data[2] << 16;
+        from->now.error = (uint32_t)event->data[0] | (uint32_t)event->data[1] << 8 |
+                          (uint32_t)event->data[2] << 16;
     }
 }
 
-static void tell_status(struct fmu_course *now)
+static void tell_status(struct fmu_encoder *self)
 {
-    uint8_t *at = put_operation(now, STATUS, HEADER_SIZE + 1);
+    uint8_t *at = put_operation(self, STATUS, HEADER_SIZE + 1);
     if (at != NULL) {
-        at[8] = (uint8_t)(now->bus + 1u);
+        at[8] = (uint8_t)(self->now.status + 1u);
     }
 }
 
 void wire_configure(struct fmu_encoder *self)
 {
-    if ((self->has & FMU_HAS_FRAMES) == 0 || self->now.configured) {
+    if ((self->has & FMU_HAS_FRAMES) == 0 || !self->leads || self->now.configured) {
         return;
     }
-    const int rate = dg_host_bit_rate(self->host);
-    uint8_t *at = rate <= 0 ? NULL : put_operation(&self->now, CONFIGURATION, HEADER_SIZE + 5);
+    const int64_t rate = self->all->ops->bit_rate(self);
+    uint8_t *at = rate <= 0 ? NULL : put_operation(self, CONFIGURATION, HEADER_SIZE + 5);
     if (at != NULL) {
         at[8] = 1; /* CAN_BAUDRATE */
-        put_le32(at + 9, (uint32_t)rate * 1000u);
-        tell_status(&self->now);
+        put_le32(at + 9, (uint32_t)rate);
+        tell_status(self);
         self->now.configured = true;
     }
 }
@@ -119,15 +121,31 @@ static enum dg_host_bus state_of(const struct fmu_course *of)
     return of->transmit > 127u || of->receive > 127u ? DG_HOST_BUS_PASSIVE : DG_HOST_BUS_ACTIVE;
 }
 
-/* A fault may make the controller worse than what it has counted. */
-static void follow_bus_state(struct fmu_encoder *self)
+/* The one that counts for the wire of this one. */
+static struct fmu_encoder *leader_of(struct fmu_encoder *self)
 {
-    const int counted = (int)state_of(&self->now);
+    struct fmu_encoder *at = self;
+    while (!at->leads || strcmp(at->wire, self->wire) != 0) {
+        at--; /* it comes before those that follow */
+    }
+    return at;
+}
+
+/* A fault may make a controller worse than what was counted. Of several on a wire each has its own,
+   and the wire is told what was counted. */
+void wire_follow(struct fmu_encoder *self)
+{
+    struct fmu_encoder *leader = leader_of(self);
+    if (!leader->now.configured) {
+        return;
+    }
+    const int counted = (int)state_of(&leader->now);
     const int known = dg_host_bus_state(self->host);
-    const uint8_t state = (uint8_t)(known > counted ? known : counted);
-    if (state != self->now.bus) {
-        self->now.bus = state;
-        tell_status(&self->now);
+    self->now.bus = (uint8_t)(known > counted ? known : counted);
+    const uint8_t status = self->shares ? (uint8_t)counted : self->now.bus;
+    if (status != leader->now.status) {
+        leader->now.status = status;
+        tell_status(leader);
     }
 }
 
@@ -135,7 +153,7 @@ static int send_change(struct fmu_encoder *self, uint64_t now, enum dg_host_bus 
 {
     const enum dg_host_bus state = state_of(&self->now);
     const struct dg_host_event event = {.at = now, .id = (uint32_t)state, .kind = DG_HOST_BUS};
-    return state != before ? dg_host_send(self->host, &event) : DG_HOST_OK;
+    return state != before ? self->all->ops->send(self, &event) : DG_HOST_OK;
 }
 
 static int count_error(struct fmu_encoder *self, uint64_t now, bool sender, bool primary)
@@ -183,10 +201,7 @@ static int frame_in(struct fmu_encoder *self, uint64_t now, const uint8_t *at, s
     event.length = (uint8_t)length;
     memcpy(event.data, at + TRANSMIT_SIZE, length);
     (void)count_good(self, now, false);
-    const int result = dg_host_send(self->host, &event);
-    (void)dg_host_step(self->host, now);
-    wire_collect(self);
-    return result;
+    return self->all->ops->send(self, &event);
 }
 
 static int operation_in(struct fmu_encoder *self, uint64_t now, const uint8_t *at, size_t n)
@@ -221,49 +236,34 @@ static int take_can(struct fmu_encoder *self, uint64_t now, const uint8_t *bytes
 
 /* --- RS485 --- */
 
-/* Before the characters: the first start bit, in ns from the start on (8; to the encoder also 0:
-   now), ns that a character takes (4), how many (2), flags (2). */
-enum { SERIAL_SIZE = 16, AT_ONCE = 16 };
-
-static void characters_out(struct fmu_course *now, const struct dg_host_event *event)
+uint64_t wire_moment(const uint8_t *head)
 {
-    uint8_t *at = room(now, SERIAL_SIZE + (size_t)event->length);
+    return get_le32(head) | (uint64_t)get_le32(head + 4) << 32;
+}
+
+uint32_t wire_each(const uint8_t *head)
+{
+    return get_le32(head + 8);
+}
+
+size_t wire_count(const uint8_t *head)
+{
+    return get_le16(head + 12);
+}
+
+static void put_characters(struct fmu_encoder *self, const struct dg_host_event *event)
+{
+    uint8_t *at = find_room(self, FMU_SERIAL_SIZE + (size_t)event->length);
     if (at == NULL) {
         return;
     }
-    memset(at, 0, SERIAL_SIZE);
+    memset(at, 0, FMU_SERIAL_SIZE);
     put_le32(at, (uint32_t)event->at);
     put_le32(at + 4, (uint32_t)(event->at >> 32));
     put_le32(at + 8, event->id);
     at[12] = event->length;
     at[14] = (uint8_t)(event->flags & DG_HOST_DAMAGED);
-    memcpy(at + SERIAL_SIZE, event->data, event->length);
-}
-
-static int characters_in(struct fmu_encoder *self, uint64_t at, const uint8_t *head, size_t n)
-{
-    struct dg_host_event event = {.kind = DG_HOST_BYTES, .id = get_le32(head + 8)};
-    const uint8_t *from = head + SERIAL_SIZE;
-    struct dg_host_uart uart = {.baud = 9600};
-    event.flags = head[14] & DG_HOST_DAMAGED;
-    const int result = dg_host_uart(self->host, &uart);
-    if (result == DG_HOST_ERR_WIRE && event.id == 0) {
-        return result; /* it cannot say how long its characters take, so the master has to */
-    }
-    const uint64_t each = event.id == 0 ? dg_host_uart_ns(&uart, 1) : event.id;
-    while (n > 0) {
-        event.at = at;
-        event.length = (uint8_t)(n < AT_ONCE ? n : AT_ONCE);
-        memcpy(event.data, from, event.length);
-        const int sent = dg_host_send(self->host, &event);
-        if (sent != DG_HOST_OK) {
-            return sent;
-        }
-        at += event.length * each;
-        from += event.length;
-        n -= event.length;
-    }
-    return DG_HOST_OK;
+    memcpy(at + FMU_SERIAL_SIZE, event->data, event->length);
 }
 
 static int take_serial_operation(struct fmu_encoder *self, uint64_t now, const uint8_t *bytes,
@@ -271,14 +271,14 @@ static int take_serial_operation(struct fmu_encoder *self, uint64_t now, const u
 {
     int result = DG_HOST_OK;
     while (result == DG_HOST_OK && n > 0) {
-        const size_t count = n < SERIAL_SIZE ? n : get_le16(bytes + 12);
-        if (n < SERIAL_SIZE || count > n - SERIAL_SIZE) {
+        const size_t count = n < FMU_SERIAL_SIZE ? n : wire_count(bytes);
+        if (n < FMU_SERIAL_SIZE || count > n - FMU_SERIAL_SIZE) {
             return DG_HOST_ERR_ARGUMENT;
         }
-        const uint64_t at = get_le32(bytes) | (uint64_t)get_le32(bytes + 4) << 32;
-        result = characters_in(self, at > now ? at : now, bytes, count);
-        bytes += SERIAL_SIZE + count;
-        n -= SERIAL_SIZE + count;
+        const uint64_t at = wire_moment(bytes);
+        result = self->all->ops->say(self, at > now ? at : now, bytes, count);
+        bytes += FMU_SERIAL_SIZE + count;
+        n -= FMU_SERIAL_SIZE + count;
     }
     return result;
 }
@@ -294,6 +294,49 @@ int wire_take(struct fmu_encoder *self, uint64_t now, const uint8_t *bytes, size
                                                  : DG_HOST_ERR_WIRE;
 }
 
+/* The last characters that wait. @return NULL: there are none, or they have been seen */
+static uint8_t *find_last(const struct fmu_encoder *self)
+{
+    size_t at = 0;
+    size_t last = 0;
+    while (self->now.waiting - at >= FMU_SERIAL_SIZE) {
+        last = at;
+        at += FMU_SERIAL_SIZE + wire_count(self->out + at);
+        if (at > self->now.waiting) {
+            return NULL;
+        }
+    }
+    return at == 0 || at != self->now.waiting || self->now.taken ? NULL : self->out + last;
+}
+
+/* A character that begins where others end, as far as the time of each is one of whole ns. */
+bool wire_join(struct fmu_encoder *self, const struct dg_host_event *event)
+{
+    uint8_t *last = find_last(self);
+    const size_t count = last == NULL ? 0 : wire_count(last);
+    if (last == NULL || self->now.waiting == self->room || count == UINT16_MAX ||
+        wire_each(last) != event->id || (last[14] & DG_HOST_DAMAGED) != event->flags) {
+        return false;
+    }
+    const uint64_t end = wire_moment(last) + count * event->id;
+    if (event->at > end + count || end > event->at + count) {
+        return false;
+    }
+    self->out[self->now.waiting++] = event->data[0];
+    last[12] = (uint8_t)(count + 1);
+    last[13] = (uint8_t)((count + 1) >> 8);
+    return true;
+}
+
+void wire_put(struct fmu_encoder *self, struct fmu_encoder *from, const struct dg_host_event *event)
+{
+    if (event->kind == DG_HOST_CAN) {
+        put_frame(self, from, event);
+    } else if (event->kind == DG_HOST_BYTES) {
+        put_characters(self, event);
+    }
+}
+
 void wire_collect(struct fmu_encoder *self)
 {
     struct dg_host_event event;
@@ -302,17 +345,15 @@ void wire_collect(struct fmu_encoder *self)
         if (!self->now.configured) {
             return; /* a bus knows its bit rate before there are frames */
         }
-        follow_bus_state(self);
+        wire_follow(self);
     }
-    while (self->now.taken || sizeof self->now.out - self->now.waiting >= most) {
+    while (self->now.taken || self->room - self->now.waiting >= most) {
         const int result = dg_host_receive(self->host, &event);
         if (result == 0) {
             return;
         }
-        if (result > 0 && event.kind == DG_HOST_CAN) {
-            frame_out(&self->now, &event);
-        } else if (result > 0 && event.kind == DG_HOST_BYTES) {
-            characters_out(&self->now, &event);
+        if (result > 0) {
+            wire_put(self, self, &event);
         }
     }
 }

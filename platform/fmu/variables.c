@@ -26,10 +26,13 @@ struct fixed_row {
 };
 
 /* clang-format off */
+static const struct fixed_row of_shaft[] = {
+    {ANY, FMU_INPUT, FMU_ANGLE, FMU_REAL, true, true,  "angle", "rad",   "0",    "of the shaft, clockwise looking at it, any number of turns"},
+    {ANY, FMU_INPUT, FMU_SPEED, FMU_REAL, true, true,  "speed", "rad/s", "0",    "of the shaft: goes on with it within a step"},
+};
+
 static const struct fixed_row before[] = {
-    {ANY, FMU_INPUT, FMU_ANGLE, FMU_REAL, true, true,  "shaft.angle", "rad",   "0",    "of the shaft, clockwise looking at it, any number of turns"},
-    {ANY, FMU_INPUT, FMU_SPEED, FMU_REAL, true, true,  "shaft.speed", "rad/s", "0",    "of the shaft: goes on with it within a step"},
-    {ANY, FMU_INPUT, FMU_POWER, FMU_BOOL, true, false, "power",       "",      "true", "supply: off and on again is a restart"},
+    {ANY, FMU_INPUT, FMU_POWER, FMU_BOOL, true, false, "power", "",      "true", "supply: off and on again is a restart"},
 };
 
 static const struct fixed_row behind[] = {
@@ -59,10 +62,23 @@ static const struct fixed_row behind[] = {
 };
 /* clang-format on */
 
-static void name_variable(struct fmu_variable *to, const struct fmu_encoder *of, const char *room,
+static void name_variable(struct fmu_variable *to, const char *prefix, const char *room,
                           const char *name)
 {
-    (void)snprintf(to->name, sizeof to->name, "%.48s%.10s%.36s", of->prefix, room, name);
+    (void)snprintf(to->name, sizeof to->name, "%.48s%.10s%.36s", prefix, room, name);
+}
+
+static void describe_row(const struct fixed_row *row, const char *prefix, struct fmu_variable *to)
+{
+    to->reference = (uint32_t)row->group << 8 | row->index;
+    to->type = (enum fmu_type)row->type;
+    to->input = row->input;
+    to->continuous = row->continuous;
+    to->wire = row->type != FMU_BINARY ? 0 : row->of == CAN ? 'c' : 's';
+    to->unit = row->unit;
+    (void)snprintf(to->start, sizeof to->start, "%s", row->start);
+    (void)snprintf(to->help, sizeof to->help, "%s", row->help);
+    name_variable(to, prefix, "", row->name);
 }
 
 /* Row `*index` of those this encoder has; else *index less them. */
@@ -70,21 +86,30 @@ static bool fixed(const struct fmu_encoder *of, const struct fixed_row *rows, si
                   size_t *index, struct fmu_variable *to)
 {
     for (size_t i = 0; i < count; i++) {
-        const struct fixed_row *row = &rows[i];
-        const bool follows = of->owner >= 0 && row->group == FMU_INPUT && row->index != FMU_POWER;
-        if ((row->of & of->has) == 0 || follows || (*index)-- != 0) {
+        const bool of_wire = rows[i].group == FMU_BUS;
+        if ((rows[i].of & of->has) != 0 && (!of_wire || of->leads) && (*index)-- == 0) {
+            describe_row(&rows[i], of_wire ? of->wire : of->prefix, to);
+            to->room = of->room;
+            return true;
+        }
+    }
+    return false;
+}
+
+/* Inputs of shafts that are described with this encoder; FMU_NOBODY: of those with none. */
+static bool turned(const struct fmu *self, size_t encoder, size_t *index, struct fmu_variable *to)
+{
+    for (size_t i = 0; i < self->shaft_count; i++) {
+        const struct fmu_shaft *shaft = &self->shafts[i];
+        if (!shaft->input || shaft->first != encoder) {
             continue;
         }
-        to->reference = (uint32_t)row->group << 8 | row->index;
-        to->type = (enum fmu_type)row->type;
-        to->input = row->input;
-        to->continuous = row->continuous;
-        to->wire = row->type != FMU_BINARY ? 0 : row->of == CAN ? 'c' : 's';
-        to->unit = row->unit;
-        (void)snprintf(to->start, sizeof to->start, "%s", row->start);
-        (void)snprintf(to->help, sizeof to->help, "%s", row->help);
-        name_variable(to, of, "", row->name);
-        return true;
+        if (*index < DG_COUNT(of_shaft)) {
+            describe_row(&of_shaft[*index], shaft->prefix, to);
+            to->reference |= (uint32_t)i << 16;
+            return true;
+        }
+        *index -= DG_COUNT(of_shaft);
     }
     return false;
 }
@@ -147,32 +172,36 @@ static bool setting(const struct fmu_encoder *of, size_t *index, struct fmu_vari
         (void)snprintf(to->start, sizeof to->start, "%s", to->start[0] == '1' ? "true" : "false");
     }
     help_on(of->host, &key, to);
-    name_variable(to, of, key.always ? "world." : "", key.name);
+    name_variable(to, of->prefix, key.always ? "world." : "", key.name);
     return true;
 }
 
-/* Of a catalogue, what events can have. */
-static bool fault(struct fmu *self, struct fmu_encoder *of, size_t *index, struct fmu_variable *to)
+static bool fault(struct fmu_encoder *of, size_t *index, struct fmu_variable *to)
 {
     struct dg_host_fault entry;
-    struct dg_host_panel *panel = encoder_panel(self, of);
-    for (size_t i = 0; panel != NULL && i < FMU_FAULTS_MAX; i++) {
-        if (dg_host_fault(panel, i, &entry) != DG_HOST_OK) {
-            return false;
-        }
-        const bool possible = dg_host_fault_set(panel, 0, entry.name, false) != DG_HOST_ERR_WIRE;
-        if (!possible || (*index)-- != 0) {
-            continue;
-        }
-        to->reference = (uint32_t)FMU_FAULT << 8 | (uint32_t)i;
-        to->type = FMU_BOOL;
-        to->input = true;
-        (void)snprintf(to->start, sizeof to->start, "false");
-        (void)snprintf(to->help, sizeof to->help, "%.100s -> %.140s", entry.cause, entry.effect);
-        name_variable(to, of, "fault.", entry.name);
-        return true;
+    size_t count = 0;
+    while (count < FMU_FAULTS_MAX && count < *index &&
+           of->all->ops->entry(of, count, &entry) == DG_HOST_OK) {
+        count++;
     }
-    return false;
+    if (count == FMU_FAULTS_MAX || of->all->ops->entry(of, count, &entry) != DG_HOST_OK) {
+        *index -= count;
+        return false;
+    }
+    to->reference = (uint32_t)FMU_FAULT << 8 | (uint32_t)count;
+    to->type = FMU_BOOL;
+    to->input = true;
+    (void)snprintf(to->start, sizeof to->start, "false");
+    (void)snprintf(to->help, sizeof to->help, "%.100s -> %.140s", entry.cause, entry.effect);
+    name_variable(to, of->prefix, "fault.", entry.name);
+    return true;
+}
+
+/* What an encoder is described with, beside its inputs of shafts. */
+static bool described(struct fmu_encoder *of, size_t *index, struct fmu_variable *to)
+{
+    return fixed(of, before, DG_COUNT(before), index, to) || setting(of, index, to) ||
+           fault(of, index, to) || fixed(of, behind, DG_COUNT(behind), index, to);
 }
 
 bool fmu_variable(struct fmu *self, size_t index, struct fmu_variable *to)
@@ -188,12 +217,13 @@ bool fmu_variable(struct fmu *self, size_t index, struct fmu_variable *to)
     index--;
     (void)fmu_start(self, 0);
     for (size_t i = 0; i < self->count; i++) {
-        struct fmu_encoder *of = &self->encoders[i];
-        if (fixed(of, before, DG_COUNT(before), &index, to) || setting(of, &index, to) ||
-            fault(self, of, &index, to) || fixed(of, behind, DG_COUNT(behind), &index, to)) {
+        if (turned(self, i, &index, to)) {
+            return true;
+        }
+        if (described(&self->encoders[i], &index, to)) {
             to->reference |= (uint32_t)i << 16;
             return true;
         }
     }
-    return false;
+    return turned(self, FMU_NOBODY, &index, to);
 }

@@ -55,9 +55,9 @@ def test_its_sources_are_those_that_are_listed(make: Make, version: str) -> None
     assert re.findall(r'File name="([^"]*)"', told) == [name for name in mine if name.endswith(".c")]
 
 
-TAKEN = [" =f3668", " a=f3668,node=5 b=f3668@0", " =s3684-rs485,version=v1%2E0%2E8", " %61=f3668", " =f3668,node=%31%32"]
+TAKEN = [" =f3668", " =s3684-rs485,version=v1%2E0%2E8", " =f3668,node=%31%32"]
 REFUSED = ["", " ", " =", " f3668", " =f36", "  =f3668", " =f3668 ", " =f3668,node", " =f3668,node=128", " =f3668,none=1",
-           " =f3668,", " =f3668@0", " a=f3668 b=f3668@1", " a=f3668 b=f3668@0x", " a=f3668 b=f3668@9", " =f3668,node=%3",
+           " =f3668,", " =f3668@0", " a=f3668", " =f3668 b=f3668", " 00000000.rig", " 00000000.eds", " =f3668,node=%3",
            " =f3668,node=%3G", " =f3668,node=%3b", " =f3668,node=%G3", " " + "a" * 300 + "=f3668", " =" + "f" * 300, " =f3668;"]
 
 

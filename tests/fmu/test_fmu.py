@@ -619,10 +619,59 @@ def test_what_a_rig_file_says_for_others_is_named(tmp_path: pathlib.Path) -> Non
         return subprocess.run(words, capture_output=True, text=True, check=True).stderr
 
     assert told(RIG) == ""
-    assert told(RIG + "pace = 1\nnvm = x.nvm\n") == f"drehgeber: {file}: not in an FMU, left out: pace and nvm\n"
+    assert told(RIG + "pace = 1\nnvm = x.nvm\n") == f"drehgeber: {file}: not in an FMU, left out: nvm\n"
     both = RIG.replace("[encoder drive]", "motion = 60RPM\n[shaft b]\ndriver = main\n[encoder drive]")
     lines = both.replace("wire = sim", "wire = sim\nclock_hz = 100000\nline_delay_ns = 5\ntrace = x.vcd")
-    assert told(lines + "trace = x.log\n").endswith(": motion, driver, trace, clock_hz and line_delay_ns\n")
+    assert told(lines + "trace = x.log\n").endswith(": trace, clock_hz and line_delay_ns\n")
+
+
+SHARED = """[shaft motor]
+motion = turn.csv
+[shaft load]
+driver = motor
+ratio = 1:4
+[rig]
+include = nodes.ini
+[encoder s]
+model = s3684-biss
+wire = sim
+shaft = motor
+temperature = warm.csv,STEP
+"""
+NODES = """[bus field]
+wire = slcan
+[encoder n]
+model = f3668
+bus = field
+node = 1..2
+shaft = load
+"""
+
+
+def test_all_of_a_rig_file_acts(make: Make, tmp_path: pathlib.Path) -> None:
+    """Motions, gears, a bus, files that it names: nothing of it is asked for once the FMU is there."""
+    texts = {"plant.ini": SHARED, "nodes.ini": NODES, "turn.csv": "0,0\n10,3600\n", "warm.csv": "0,20\n1.5,90\n"}
+    for name, text in texts.items():
+        (tmp_path / name).write_text(text)
+    fmu = make(str(tmp_path / "plant.ini"))
+    for name in texts:
+        (tmp_path / name).unlink()
+    assert validate_fmu(fmu.path) == []
+    assert not [name for name in fmu.names if name.endswith(("shaft.angle", "n_1.CanChannel.Tx_Data"))]
+    slave = Slave(fmu)
+    slave.step(2.0)
+    told = frames(slave.fetch("field.CanChannel"))
+    assert (0x701, b"\0") in told and (0x702, b"\0") in told
+    assert slave.get("n_2.position") == 2 * 65536 // 4
+    slave.tick("s.MA")
+    assert slave.get("s.frame.position") == 2 << 21
+    assert slave.get("s.world.temperature") == 90.0
+    state, at = slave.save(), slave.time
+    slave.step(1.0)
+    slave.restore(state, at)
+    slave.step(0.5)
+    assert slave.get("n_1.position") == 65536 * 5 // 8
+    slave.close()
 
 
 # ------------------------------------------------------------ other importers

@@ -62,7 +62,7 @@ ROOMS = {
     "web":             {"core", "control", "devices", "instruments", "host", "bus", "rig", "words"},
     "web/libc":        set(),
     "web/libc/sys":    set(),
-    "fmu":             {"core", "devices", "host", "bus"},
+    "fmu":             {"core", "motion", "devices", "scpi", "control", "instruments", "host", "bus", "rig"},
     "tools/drehgeber": {"tools/drehgeber", "motion", "linux/rig", "fmu"} | BELOW | WIRES, # web/ is a program of its own
     "tools/manual":    {"core", "devices", "tools/drehgeber"} | BELOW,
     "tools/reference": {"core", "control", "devices", "instruments", "rig", "src/rig"},

@@ -21,6 +21,7 @@
 #include "describe.h"
 #include "drehgeber/devices.h"
 #include "drehgeber/drehgeber.h"
+#include "fmu_bundle.h"
 #include "fmu_models.h"
 #include "plan.h"
 #include "run.h"
@@ -107,17 +108,6 @@ static int take_list(struct making *self)
 
 /* --- the token, see fmu.h --- */
 
-/* As names of variables may be. */
-static void put_name(const char *text, FILE *to)
-{
-    if (isdigit((unsigned char)*text)) {
-        (void)fputc('_', to);
-    }
-    for (; *text != '\0'; text++) {
-        (void)fputc(isalnum((unsigned char)*text) ? *text : '_', to);
-    }
-}
-
 static int no_such(struct making *self, const char *key, const char *value)
 {
     (void)lx_refuse(&self->error, "leave it out", "an FMU has no such wire");
@@ -141,20 +131,33 @@ static int put_setting(struct making *self, struct dg_host *trial, const char *k
     return 0;
 }
 
+/* One that is not in an FMU yet: what it is asked does not change it. @return NULL: no memory */
+static struct dg_host *make_trial(const struct dg_device *model, void **memory)
+{
+    const struct dg_host_wire *wire = dg_host_wire_of(model);
+    const size_t size = dg_host_size(model, wire);
+    *memory = aligned_alloc(DG_HOST_ALIGN, (size + DG_HOST_ALIGN - 1) & ~(DG_HOST_ALIGN - 1));
+    return *memory == NULL ? NULL : dg_host_init(*memory, size, model, wire);
+}
+
+static int refuse_model(struct making *self, const struct dg_device *model, struct dg_host *trial)
+{
+    if (trial == NULL) {
+        return lx_fail(&self->error, "no memory for an encoder");
+    }
+    return fmu_can_have(trial)
+               ? 0
+               : lx_refuse(&self->error, "leave it out", "an FMU cannot have %s, which speaks %s",
+                           model->name, dg_host_protocol(trial));
+}
+
 static int put_encoder_settings(struct making *self, const struct dg_plan_encoder *encoder,
                                 FILE *to)
 {
     const struct dg_key *address = dg_plan_address_row(encoder->model);
-    const struct dg_host_wire *wire = dg_host_wire_of(encoder->model);
-    const size_t size = dg_host_size(encoder->model, wire);
-    void *memory = aligned_alloc(DG_HOST_ALIGN, (size + DG_HOST_ALIGN - 1) & ~(DG_HOST_ALIGN - 1));
-    struct dg_host *trial =
-        memory == NULL ? NULL : dg_host_init(memory, size, encoder->model, wire);
-    int result = trial == NULL ? lx_fail(&self->error, "no memory for an encoder") : 0;
-    if (result == 0 && !fmu_can_have(trial)) {
-        result = lx_refuse(&self->error, "leave it out", "an FMU cannot have %s, which speaks %s",
-                           encoder->model->name, dg_host_protocol(trial));
-    }
+    void *memory = NULL;
+    struct dg_host *trial = make_trial(encoder->model, &memory);
+    int result = refuse_model(self, encoder->model, trial);
     if (result == 0 && encoder->serial != NULL) {
         result = put_setting(self, trial, "serial", encoder->serial, to);
     }
@@ -201,14 +204,11 @@ static void add_word_if(struct words *self, const char *name, bool is)
 static struct words left_out(const struct dg_plan *plan)
 {
     struct words all = {.count = 0};
-    for (size_t i = 0; i < plan->shaft_count; i++) {
-        add_word_if(&all, "motion", plan->shafts[i].motion != NULL);
-        add_word_if(&all, "driver", plan->shafts[i].driver >= 0);
-    }
     for (size_t i = 0; i < plan->wire_count; i++) {
         const struct dg_plan_wire *wire = &plan->wires[i];
+        const bool acts = wire->kind->settings == &dg_plan_pace_usual;
         add_word_if(&all, "trace", wire->trace != NULL);
-        for (size_t k = 0; k < wire->settings.count; k++) {
+        for (size_t k = 0; k < wire->settings.count && !acts; k++) {
             add_word(&all, wire->settings.list[k].key);
         }
     }
@@ -242,24 +242,25 @@ static int refuse_wires(struct making *self, const struct dg_plan *plan)
 
 /* --- the token of all --- */
 
-/* The first encoder of a shaft is turned, and the others follow. */
-static int put_encoder(struct making *self, const struct dg_plan *plan, size_t index, FILE *to)
+static int put_encoder(struct making *self, const struct dg_plan_encoder *encoder, FILE *to)
 {
-    const struct dg_plan_encoder *encoder = &plan->encoders[index];
-    size_t owner = 0;
-    while (plan->encoders[owner].shaft != encoder->shaft) {
-        owner++;
-    }
-    (void)fputc(' ', to);
-    if (plan->encoder_count > 1) {
-        put_name(encoder->name, to);
-    }
     (void)fputc('=', to);
     const int result = fmu_models_put(&self->models, encoder->model, to, &self->error);
-    if (owner != index) {
-        (void)fprintf(to, "@%zu", owner);
-    }
     return result == 0 ? put_encoder_settings(self, encoder, to) : result;
+}
+
+static int put_rig(struct making *self, const struct dg_plan *plan, FILE *to)
+{
+    int result = 0;
+    for (size_t i = 0; result == 0 && i < plan->encoder_count; i++) {
+        void *memory = NULL;
+        struct dg_host *trial = make_trial(plan->encoders[i].model, &memory);
+        result = refuse_model(self, plan->encoders[i].model, trial);
+        free(memory);
+    }
+    const char *name = result == 0 ? fmu_bundle_add(&self->models, &self->error) : NULL;
+    (void)fputs(name == NULL ? "" : name, to);
+    return name == NULL ? -1 : 0;
 }
 
 static int make_token(struct making *self, const struct dg_plan *plan)
@@ -268,15 +269,31 @@ static int make_token(struct making *self, const struct dg_plan *plan)
     if (to == NULL) {
         return lx_fail(&self->error, "no memory for a token");
     }
-    (void)fprintf(to, "drehgeber %s", dg_version());
-    int result = 0;
-    for (size_t i = 0; i < plan->encoder_count && result == 0; i++) {
-        result = put_encoder(self, plan, i, to);
-    }
+    (void)fprintf(to, "drehgeber %s ", dg_version());
+    const int result = plan->file == NULL && plan->encoder_count == 1
+                           ? put_encoder(self, &plan->encoders[0], to)
+                           : put_rig(self, plan, to);
     if (fclose(to) != 0) {
         return lx_fail(&self->error, "no memory for a token");
     }
     return result;
+}
+
+/* What is wrong with a rig is found when it is made. */
+static int make_encoders(struct making *self, const struct dg_plan *plan)
+{
+    struct dg_plan_error wrong = {.line = 0};
+    self->models.files.error = &wrong;
+    self->fmu = fmu_make_with(self->token.bytes, &self->models.files);
+    self->models.files.error = NULL;
+    if (self->fmu != NULL) {
+        return 0;
+    }
+    if (wrong.what[0] == '\0' && wrong.right[0] == '\0') {
+        return lx_fail(&self->error, "no memory for the encoders");
+    }
+    wrong.file = plan->file;
+    return lx_error_take(&self->error, &wrong);
 }
 
 /* --- the archive --- */
@@ -446,10 +463,6 @@ static int make_fmu(struct making *self, const struct dg_plan *plan, const char 
     if (find_folder(self) != 0 || take_list(self) != 0) {
         return -1;
     }
-    self->fmu = fmu_make_with(self->token.bytes, &self->models.files);
-    if (self->fmu == NULL) {
-        return lx_fail(&self->error, "no memory for the encoders");
-    }
     return write_archive(self, plan->name, output);
 }
 
@@ -488,7 +501,8 @@ int fmu_command(const struct options *options)
     }
     int status = EXIT_OK;
     fmu_models_begin(&self.models, options, &plan);
-    if (refuse_wires(&self, &plan) != 0 || make_token(&self, &plan) != 0) {
+    if (refuse_wires(&self, &plan) != 0 || make_token(&self, &plan) != 0 ||
+        make_encoders(&self, &plan) != 0) {
         status = complain(&self.error, EXIT_USAGE);
     } else if (options->device == NULL && is_same_file(options->model, options->output)) {
         lx_complain("fmu: %s is the rig file itself", options->output);

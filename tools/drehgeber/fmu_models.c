@@ -58,12 +58,11 @@ void fmu_models_end(struct fmu_models *self)
     free(self->resources);
 }
 
-/* Once, whoever has it. @return its name, or NULL without memory */
-static const char *add_resource(struct fmu_models *self, const char *text, size_t n)
+const char *fmu_models_add(struct fmu_models *self, const char *kind, const char *text, size_t n)
 {
     struct fmu_resource one = {.n = n};
     const uint32_t sum = dg_crc32(0, (const uint8_t *)text, n);
-    (void)snprintf(one.name, sizeof one.name, "%08" PRIX32 ".eds", sum);
+    (void)snprintf(one.name, sizeof one.name, "%08" PRIX32 ".%s", sum, kind);
     for (size_t i = 0; i < self->count; i++) {
         if (strcmp(self->resources[i].name, one.name) == 0) {
             return self->resources[i].name;
@@ -81,36 +80,20 @@ static const char *add_resource(struct fmu_models *self, const char *text, size_
     return self->resources[self->count - 1u].name;
 }
 
-/* Of a rig file: it is read again. @return NULL: the model is of no file, or `error` says more */
-static struct eds_file *open_file(const struct fmu_models *self, const struct dg_device *model,
-                                  struct lx_error *error)
-{
-    for (size_t i = 0; i < self->plan->model_file_count; i++) {
-        if (self->plan->model_files[i].device == model) {
-            return eds_file_open(self->plan->model_files[i].file, error);
-        }
-    }
-    (void)lx_fail(error, "%s: an FMU cannot have this model", model->name);
-    return NULL;
-}
-
+/* Of the command line: those of a rig are texts of its. */
 static int put_eds_file(struct fmu_models *self, const struct dg_device *model, FILE *to,
                         struct lx_error *error)
 {
-    struct eds_file *given = self->options->eds;
-    const bool own = given != NULL && &given->encoder.device == model;
-    struct eds_file *file = own ? given : open_file(self, model, error);
-    if (file == NULL) {
-        return -1;
+    const struct eds_file *file = self->options->eds;
+    if (file == NULL || &file->encoder.device != model) {
+        return lx_fail(error, "%s: an FMU cannot have this model", model->name);
     }
-    const char *name = add_resource(self, file->text, file->length);
-    if (name != NULL) {
-        (void)fputs(name, to);
+    const char *name = fmu_models_add(self, "eds", file->text, file->length);
+    if (name == NULL) {
+        return lx_fail(error, "no memory for %s", model->name);
     }
-    if (!own) {
-        eds_file_close(file);
-    }
-    return name != NULL ? 0 : lx_fail(error, "no memory for %s", model->name);
+    (void)fputs(name, to);
+    return 0;
 }
 
 /* --- texts --- */

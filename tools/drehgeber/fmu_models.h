@@ -33,6 +33,10 @@ void fmu_models_begin(struct fmu_models *self, const struct options *options,
                       const struct dg_plan *plan);
 void fmu_models_end(struct fmu_models *self);
 
+/* A file of the FMU, "KIND" behind the check sum that it is called by; once, whoever has it.
+   @return its name, or NULL without memory */
+const char *fmu_models_add(struct fmu_models *self, const char *kind, const char *text, size_t n);
+
 /* MODEL of a token. @return 0, or -1 with `error` */
 int fmu_models_put(struct fmu_models *self, const struct dg_device *model, FILE *to,
                    struct lx_error *error);

@@ -68,8 +68,8 @@ static const struct {
     {"fmu", "Inputs of the FMU are shafts, faults and what encoders sense; settings are its\n"
             "parameters. Outputs are positions, signals, frames, and in FMI 3 also CAN\n"
             "(FMI-LS-BUS) and RS485 as clocked binaries. The FMU contains its sources.\n"
-            "Encoders of a rig file that share a shaft have one input for it. The FMU leaves\n"
-            "out wires, motions, gears and files of the rig.\n\n"
+            "All that a rig file says acts in its FMU, but for ports, traces and EEPROM\n"
+            "files: shafts that have no motion are inputs, and encoders on one bus share it.\n\n"
             "  drehgeber fmu s3684-biss --output axis.fmu\n"
             "  drehgeber fmu vendor.eds --output vendor.fmu\n"},
     {"verify", "WIRE is --tty, --pty or --rs485 for RS485, --can, --slcan or --socketcand for\n"

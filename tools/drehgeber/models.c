@@ -55,7 +55,7 @@ static const struct dg_device *find_other(void *ctx, const char *name)
 struct model_file *models_read(const char *path)
 {
     struct model_file *self = make_file(path);
-    const struct lx_plan_shelf shelf = {find_other, self};
+    const struct lx_plan_shelf shelf = {.find_model = find_other, .ctx = self};
     if (self != NULL) {
         (void)lx_plan_read_with(&self->plan, self->path, &shelf, &self->unread);
     }

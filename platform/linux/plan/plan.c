@@ -104,6 +104,14 @@ static FILE *open_included(struct including *self, const char *path)
                : NULL;
 }
 
+static void keep_text(const struct including *self, const char *path,
+                      const struct dg_plan_text *text)
+{
+    if (self->shelf != NULL && self->shelf->keep != NULL) {
+        self->shelf->keep(self->shelf->ctx, path + prefix_of(self->file), text);
+    }
+}
+
 /* Below the folder of the first file, whatever links there are. */
 static const char *include_file(void *ctx, const char *path, struct dg_plan_text *to)
 {
@@ -123,7 +131,11 @@ static const char *include_file(void *ctx, const char *path, struct dg_plan_text
     if (reason != 0) {
         (void)lx_fail(&self->error, "cannot read: %s", strerror(reason));
     }
-    return reason == 0 && stream != NULL ? NULL : self->error.what;
+    if (reason != 0 || stream == NULL) {
+        return self->error.what;
+    }
+    keep_text(self, path, to);
+    return NULL;
 }
 
 static const struct dg_device *find_on_shelf(void *ctx, const char *name)
@@ -178,6 +190,7 @@ static int read_plan_text(struct dg_plan *self, const char *file, const struct t
         .ctx = &including,
         .find_model = shelf == NULL ? NULL : find_on_shelf,
     };
+    keep_text(&including, file, &setup.text);
     const int result = read_plan(self, &setup, error);
     lx_folder_close(&including.folder);
     free_texts(including.texts);

@@ -23,6 +23,9 @@ int lx_plan_read(struct dg_plan *self, const char *file, struct lx_error *error)
 struct lx_plan_shelf {
     /** The one called `name`, for as long as the plan is used; NULL: there is none. */
     const struct dg_device *(*find_model)(void *ctx, const char *name);
+    /** A text that was read, called `name` from the folder of the first file, which comes first; the
+     * same may come again, and is gone behind the call. NULL: nobody keeps them. */
+    void (*keep)(void *ctx, const char *name, const struct dg_plan_text *text);
     void *ctx;
 };
 

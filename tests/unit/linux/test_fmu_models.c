@@ -35,18 +35,20 @@ static char *read_shelf(void *ctx, const char *name, size_t *n)
 static void a_model_may_be_a_file(void **state)
 {
     struct shelf shelf = {"[1000]\nDataType=7\nDefaultValue=0x00010196\n", 0};
-    const struct fmu_files files = {read_shelf, &shelf};
+    const struct fmu_files files = {.read = read_shelf, .ctx = &shelf};
     (void)state;
     assert_null(fmu_make(TOKEN " =D958119E.eds"));
     assert_null(fmu_make_with(TOKEN " =D958119F.eds", &files));
     assert_null(fmu_make_with(TOKEN " =D958119E.ini", &files));
     assert_int_equal(shelf.asked, 1);
-    struct fmu *fmu = fmu_make_with(TOKEN " a=D958119E.eds b=D958119E.dcf,node=5", &files);
+    fmu_free(fmu_make_with(TOKEN " =D958119E.eds", &files));
+    assert_int_equal(shelf.asked, 2);
+    struct fmu *fmu = fmu_make_with(TOKEN " =D958119E.dcf,node=5", &files);
     assert_non_null(fmu);
     assert_int_equal(shelf.asked, 3);
     assert_int_equal(fmu_reset(fmu), 0);
     assert_int_equal(shelf.asked, 3);
-    assert_int_equal(dg_host_medium(fmu_host(fmu, 1)), DG_HOST_MEDIUM_FRAMES);
+    assert_int_equal(dg_host_medium(fmu_host(fmu, 0)), DG_HOST_MEDIUM_FRAMES);
     fmu_free(fmu);
     shelf.text = "[1000]\nDataType=7\nDefaultValue=0x00020196\n";
     assert_null(fmu_make_with(TOKEN " =D958119E.eds", &files));

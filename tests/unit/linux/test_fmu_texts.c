@@ -13,14 +13,15 @@
 #include "fmu_rig.h"
 
 /* What `write` would write, which lasts until the next one. */
-static const char *described(const char *token, const char *name, int version)
+static const char *describe_with(const char *token, const struct fmu_files *files, const char *name,
+                                 int version)
 {
     static char text[1 << 17];
     static char file_1[] = "src/a.c";
     static char file_2[] = "src/b.c";
     static char *const sources[] = {file_1, file_2};
     const struct fmu_about about = {token, name, sources, 2};
-    struct fmu *fmu = fmu_make(token);
+    struct fmu *fmu = fmu_make_with(token, files);
     FILE *file = tmpfile();
     assert_non_null(fmu);
     assert_non_null(file);
@@ -33,6 +34,11 @@ static const char *described(const char *token, const char *name, int version)
     (void)fclose(file);
     fmu_free(fmu);
     return text;
+}
+
+static const char *described(const char *token, const char *name, int version)
+{
+    return describe_with(token, NULL, name, version);
 }
 
 /* A reader of XML takes these for what they are (XML 1.0, 2.4). */
@@ -130,7 +136,12 @@ static void each_kind_of_variable_is_described(void **state)
 
     (void)state;
     for (int version = 2; version <= 3; version++) {
-        const char *text = described(TOKEN " a=f3668 b=s3684-rs485@0", "two", version);
+        char token[RIG_TOKEN_MAX];
+        const struct fmu_files files =
+            fmu_rig_files("[encoder a]\nmodel = f3668\nwire = slcan\n"
+                          "[encoder b]\nmodel = s3684-rs485\nwire = pty\n",
+                          token);
+        const char *text = describe_with(token, &files, "two", version);
         for (size_t i = 0; i < DG_COUNT(lines); i++) {
             if (lines[i].version == version && strstr(text, lines[i].line) == NULL) {
                 fail_msg("no %s", lines[i].line);
@@ -204,12 +215,15 @@ static void buses_and_sources_are_described(void **state)
     static const struct {
         const char *token;
         bool bus;
-    } rows[] = {{TOKEN " =s3684-biss", false},
-                {TOKEN " =f3658", true},
-                {TOKEN " a=s3684-biss b=f3668", true}};
+    } rows[] = {{TOKEN " =s3684-biss", false}, {TOKEN " =f3658", true}};
+    char token[RIG_TOKEN_MAX];
+    const struct fmu_files files = fmu_rig_files("[encoder a]\nmodel = s3684-biss\nwire = sim\n"
+                                                 "[encoder b]\nmodel = f3668\nwire = slcan\n"
+                                                 "[encoder c]\nmodel = ssi-25\nwire = sim\n",
+                                                 token);
 
     (void)state;
-    const char *text = described(TOKEN " a=s3684-biss b=f3668 c=ssi-25", "three", 3);
+    const char *text = describe_with(token, &files, "three", 3);
     assert_non_null(strstr(text, terminals));
     assert_non_null(strstr(text, build));
     assert_non_null(strstr(text, manifest));

@@ -187,7 +187,11 @@ static void a_reset_makes_it_new(void **state)
     const uint32_t fault = VARIABLE(FMU_FAULT, 1); /* temperature_high */
     const struct fmu_value turn = {.type = FMU_REAL, .real = 6.283185307179586};
     const struct fmu_value yes = {.type = FMU_BOOL, .integer = 1};
-    struct fmu *fmu = fmu_make(TOKEN " a=f3668 b=s3684-biss");
+    char token[RIG_TOKEN_MAX];
+    const struct fmu_files files = fmu_rig_files("[encoder a]\nmodel = f3668\nwire = slcan\n"
+                                                 "[encoder b]\nmodel = s3684-biss\nwire = sim\n",
+                                                 token);
+    struct fmu *fmu = fmu_make_with(token, &files);
     struct fmu_value value;
 
     (void)state;
