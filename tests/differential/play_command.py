@@ -242,4 +242,5 @@ def main() -> None:
             play(sys.argv[1:], head, script, Path(folder, "it.ini"))
 
 
-main()
+if __name__ == "__main__":
+    main()

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: MIT
 """The player of FMUs in fmpy: scripts come in, logs go out. README.md has the language.
 
-usage: play_fmu.py 2|3, the version of FMI. The command, $DREHGEBER, makes the FMUs."""
+usage: play_fmu.py 2|3, the version of FMI. The command, $DREHGEBER, makes the FMUs: one for each model, and for each
+script of several encoders one of its rig file."""
 
 import math
 import shutil
@@ -15,7 +16,8 @@ from typing import Any
 
 sys.path.append(str(Path(__file__).parents[1] / "fmu"))
 from conftest import DREHGEBER, Fmu, Slave, Slave2  # noqa: E402
-from script import read_scripts  # noqa: E402
+from play_command import write_shared_rig  # noqa: E402
+from script import SHARED, read_scripts, word_of  # noqa: E402
 
 SECOND = 1_000_000_000
 MARGIN_S = 0.4e-9
@@ -23,7 +25,8 @@ COUNTS_OF_RAD = (1 << 32) / (2 * math.pi)
 RPM = 2 * math.pi / 60
 TRANSMIT = 0x10
 UNKNOWN, NO_POWER = -8, -9
-WIRES = {"rs485": "RS485", "f3658": "CanChannel", "f3668": "CanChannel"}
+WIRES = {"rs485": "RS485", "f3658": "CanChannel", "f3668": "CanChannel", "line": "RS485", "can": "CanChannel"}
+BUS = "it"  # of the rig file of a script
 
 
 def characters(data: bytes) -> list[str]:
@@ -69,13 +72,15 @@ class Signals:
 
 
 class Player:
-    """An FMU, to which a script happens."""
+    """An FMU, to which a script happens; `bus` is that of several encoders."""
 
-    def __init__(self, fmu: Fmu, model: str, settings: dict[str, Any], number: int) -> None:
+    def __init__(self, fmu: Fmu, model: str, settings: dict[str, Any], number: int, bus: str = "") -> None:
         signals = fmu.description.fmiVersion.startswith("2")
-        self.wire = "" if signals else WIRES.get(model, WIRES.get(model.partition("-")[2], ""))
-        self.slave: Any = (Signals if signals else Slave)(fmu, early=True, power=False, **settings)
+        self.wire = "" if signals else bus + WIRES.get(model, WIRES.get(model.partition("-")[2], ""))
+        self.slave: Any = (Signals if signals else Slave)(fmu, early=True, **settings)
         self.number = number
+        self.rig = bus != ""
+        self.prefix = ""  # of variables of the encoder that an operation is about
         self.line = ""
 
     @property
@@ -83,7 +88,7 @@ class Player:
         return round(self.slave.time * SECOND)
 
     def tell(self, data: bytes) -> None:
-        lines = characters(data) if self.wire == "RS485" else messages(data, self.now)
+        lines = characters(data) if self.wire.endswith("RS485") else messages(data, self.now)
         print("".join(line + "\n" for line in lines), end="")
 
     def end_operation(self) -> None:
@@ -92,7 +97,7 @@ class Player:
         self.line = ""
 
     def go(self, at: int) -> None:
-        """From event to event. What an operation has caused at once is told in the step behind it."""
+        """From event to event. What an operation has caused at once is told in the step behind it, but by a rig."""
         begin = self.now
         while at / SECOND - self.slave.time > MARGIN_S:
             event = self.slave.step(at / SECOND - self.slave.time)
@@ -107,10 +112,14 @@ class Player:
         at, name, *arguments = words
         self.go(int(at))
         self.number += 1
-        answer = OPERATIONS[name](self, *arguments)
+        of, _, word = name.rpartition(":")
+        self.prefix = f"e{of}." if of else ""
+        answer = OPERATIONS[word](self, *arguments)
         if self.wire:
             self.tell(self.slave.fetch(self.wire))
         self.line += f"{self.number} {name}{answer}\n"
+        if self.rig:
+            self.end_operation()
 
     def close(self) -> None:
         self.go(self.now + 1)
@@ -119,6 +128,7 @@ class Player:
     # ------------------------------------------------------------ physics
 
     def give(self, name: str, value: Any) -> str:
+        name = self.prefix + name
         if name not in self.slave.fmu.names:
             return f" {UNKNOWN}"
         self.slave.set(name, bool(value) if self.slave.fmu.kinds[name] == "Boolean" else value)
@@ -169,10 +179,10 @@ class Player:
 
     def result(self) -> int:
         """An FMU shows 0 without power, and has no results."""
-        return 0 if self.slave.get("power") else NO_POWER
+        return 0 if self.slave.get(self.prefix + "power") else NO_POWER
 
     def position(self) -> str:
-        return f" {self.result()} {int(self.slave.get('position')):x}"
+        return f" {self.result()} {int(self.slave.get(self.prefix + 'position')):x}"
 
     def sincos(self) -> str:
         volts = (self.slave.get(name) for name in ("sin_plus", "sin_minus", "cos_plus", "cos_minus"))
@@ -180,8 +190,8 @@ class Player:
 
 
 OPERATIONS: dict[str, Callable[..., str]] = {
-    "power": Player.power, "shaft": Player.shaft, "world": Player.world, "fault": Player.fault, "bytes": Player.bytes,
-    "can": Player.can, "remote": Player.remote, "latch": Player.latch, "position": Player.position,
+    "power": Player.power, "shaft": Player.shaft, "world": Player.world, "fault": Player.fault,
+    **dict.fromkeys(("bytes", "meet", "over", "twin"), Player.bytes), "can": Player.can, "remote": Player.remote, "latch": Player.latch, "position": Player.position,
     "sincos": Player.sincos,
 }
 
@@ -193,7 +203,7 @@ def setting_of(kind: str, value: str) -> Any:
 
 
 def make_fmu(folder: str, model: str, version: str) -> Fmu:
-    path = f"{folder}/{model}.fmu"
+    path = f"{folder}/{Path(model).stem}.fmu"
     subprocess.run([DREHGEBER, "fmu", model, "--fmi", version, "--output", path], check=True)
     return Fmu(Path(path))
 
@@ -202,7 +212,7 @@ def play(fmu: Fmu, script: list[list[str]]) -> None:
     """Settings come first, while the FMU is initialized."""
     (_, model, _), *lines = script
     print(" ".join(script[0]))
-    settings = {}
+    settings = {"power": False}
     number = 0
     while lines[0][1] == "set":
         _, _, name, value = lines.pop(0)
@@ -217,12 +227,33 @@ def play(fmu: Fmu, script: list[list[str]]) -> None:
     player.close()
 
 
+def play_rig(script: list[list[str]], folder: str, version: str) -> None:
+    """Several encoders: what is set before the first power-on is in their rig file."""
+    head, *lines = script
+    print(" ".join(head))
+    path = Path(folder, f"{BUS}.ini")
+    numbers = write_shared_rig(path, head[1], lines)
+    fmu = make_fmu(folder, str(path), version)
+    begin = next(i for i, words in enumerate(lines) if word_of(words[1]) not in ("set", "encoder"))
+    for number, words in enumerate(lines[:begin], 1):
+        print(f"{number} {words[1]} 0")
+    player = Player(fmu, head[1], {f"e{number}.power": False for number in numbers}, begin, f"{BUS}.")
+    for words in lines[begin:]:
+        player.perform(words)
+    player.close()
+    shutil.rmtree(fmu.folder)
+
+
 def main() -> None:
     scripts = read_scripts(sys.stdin)
     with tempfile.TemporaryDirectory() as folder:
-        fmus = {model: make_fmu(folder, model, sys.argv[1]) for model in {script[0][1] for script in scripts}}
+        models = {script[0][1] for script in scripts} - set(SHARED)
+        fmus = {model: make_fmu(folder, model, sys.argv[1]) for model in models}
         for script in scripts:
-            play(fmus[script[0][1]], script)
+            if script[0][1] in SHARED:
+                play_rig(script, folder, sys.argv[1])
+            else:
+                play(fmus[script[0][1]], script)
         for fmu in fmus.values():
             shutil.rmtree(fmu.folder)
 
