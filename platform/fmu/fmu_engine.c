@@ -88,7 +88,8 @@ static struct fmu_encoder *encoder_at_place(const struct rig_wire *wire, size_t 
     return &wire->all->encoders[i];
 }
 
-static void tell_frame(const struct rig_wire *wire, size_t place, const struct dg_tap_event *event)
+static void tell_importer_frame(const struct rig_wire *wire, size_t place,
+                                const struct dg_tap_event *event)
 {
     struct dg_host_event frame = {.at = event->at,
                                   .id = event->frame.id,
@@ -101,8 +102,8 @@ static void tell_frame(const struct rig_wire *wire, size_t place, const struct d
 }
 
 /* A bus tells a character when it is over. */
-static void tell_character(const struct rig_wire *wire, size_t place,
-                           const struct dg_tap_event *event)
+static void tell_importer_character(const struct rig_wire *wire, size_t place,
+                                    const struct dg_tap_event *event)
 {
     const struct dg_host_uart uart =
         dg_bus_characters_uart(dg_engine_bus(wire->all->rig->engine, wire->index), place);
@@ -124,9 +125,9 @@ static void tell_importer(void *ctx, size_t place, const struct dg_tap_event *ev
 {
     const struct rig_wire *wire = ctx;
     if (event->kind == DG_TAP_FRAME) {
-        tell_frame(wire, place, event);
+        tell_importer_frame(wire, place, event);
     } else if (event->kind == DG_TAP_CHARACTER) {
-        tell_character(wire, place, event);
+        tell_importer_character(wire, place, event);
     }
 }
 

@@ -152,7 +152,7 @@ static int open_page_wire(void *ctx, size_t index, struct dg_engine_wire *to,
     return 0;
 }
 
-static bool make_wires(struct web_rig *self)
+static bool make_page_wires(struct web_rig *self)
 {
     self->wires = carve(self, self->plan.wire_count * sizeof *self->wires);
     for (size_t i = 0; self->wires != NULL && i < self->plan.wire_count; i++) {
@@ -166,7 +166,7 @@ static bool make_wires(struct web_rig *self)
     return self->wires != NULL;
 }
 
-static int make_engine(struct web_rig *self, dg_ns begin, struct dg_plan_error *error)
+static int make_page_engine(struct web_rig *self, dg_ns begin, struct dg_plan_error *error)
 {
     const struct dg_engine_setup setup = {
         .size = sizeof setup,
@@ -183,7 +183,7 @@ static int make_engine(struct web_rig *self, dg_ns begin, struct dg_plan_error *
     void *memory = carve(self, n);
 
     self->encoders = carve(self, self->plan.encoder_count * sizeof *self->encoders);
-    if (memory == NULL || self->encoders == NULL || !make_wires(self)) {
+    if (memory == NULL || self->encoders == NULL || !make_page_wires(self)) {
         return DG_ERR_SPACE;
     }
     self->ops = dg_engine_ops;
@@ -273,7 +273,7 @@ static void fill_encoder(const struct web_rig *self, size_t index)
 static int begin_rig(struct web_rig *self, struct web_rig *first, dg_ns begin,
                      struct dg_plan_error *error)
 {
-    const int result = make_engine(self, begin, error);
+    const int result = make_page_engine(self, begin, error);
 
     if (result != DG_OK) {
         return result;

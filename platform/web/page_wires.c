@@ -130,7 +130,7 @@ void web_frame(const struct web_encoder *self, dg_ns now, uint32_t id, const uin
 /* ------------------------------------------------------------ what is asked of a ring */
 
 /* Words of the encoder at `place`, in either image. */
-static size_t count_words(const struct web_encoder *self, size_t place)
+static size_t count_ring_words(const struct web_encoder *self, size_t place)
 {
     struct dg_host *host = dg_bus_encoder(self->bus, place);
 
@@ -138,12 +138,12 @@ static size_t count_words(const struct web_encoder *self, size_t place)
 }
 
 /* Where those of this one begin. */
-static size_t find_words(const struct web_encoder *self)
+static size_t find_line_words(const struct web_encoder *self)
 {
     size_t at = 0;
 
     for (size_t i = 0; i < self->place; i++) {
-        at += count_words(self, i);
+        at += count_ring_words(self, i);
     }
     return at;
 }
@@ -167,8 +167,8 @@ static const struct dg_ring_state *run_page_cycle(const struct web_encoder *self
 int web_cycle(const struct web_encoder *self, dg_ns now, uint32_t out, bool told, uint8_t *to)
 {
     uint16_t *image = self->wire->out;
-    const size_t at = find_words(self);
-    const size_t end = at + count_words(self, self->place);
+    const size_t at = find_line_words(self);
+    const size_t end = at + count_ring_words(self, self->place);
 
     for (size_t i = end; i > at; i--, out >>= 16) {
         image[i - 1u] = (uint16_t)out;

@@ -167,7 +167,7 @@ static int write_course_points(const struct growing *self, const struct dg_plan_
     return result == 0 ? 0 : lx_plan_refuse_setting(self->models->plan, row, self->error);
 }
 
-static int put_motion(const struct growing *self, const struct dg_plan_shaft *row)
+static int bundle_motion(const struct growing *self, const struct dg_plan_shaft *row)
 {
     struct dg_plan_text text = {.n = 0};
     char *bytes = NULL;
@@ -185,7 +185,7 @@ static int put_motion(const struct growing *self, const struct dg_plan_shaft *ro
     return result;
 }
 
-static int put_course(const struct growing *self, const struct dg_plan_setting *row)
+static int bundle_course(const struct growing *self, const struct dg_plan_setting *row)
 {
     struct dg_plan_text text = {.n = 0};
     char *bytes = NULL;
@@ -215,7 +215,7 @@ static int put_encoder_courses(const struct growing *self, const struct dg_plan_
     for (size_t i = 0; result == 0 && i < settings->count; i++) {
         const struct dg_plan_setting *row = &settings->list[i];
         if (is_course_setting(row) && !has_part(self, "course", line_name(row->line, name).text)) {
-            result = put_course(self, row);
+            result = bundle_course(self, row);
         }
     }
     return result;
@@ -227,7 +227,8 @@ static int put_all_points(const struct growing *self)
     int result = 0;
     for (size_t i = 0; result == 0 && i < plan->shaft_count; i++) {
         const struct dg_plan_shaft *row = &plan->shafts[i];
-        result = row->motion != NULL && dg_motion_is_file(row->motion) ? put_motion(self, row) : 0;
+        result =
+            row->motion != NULL && dg_motion_is_file(row->motion) ? bundle_motion(self, row) : 0;
     }
     for (size_t i = 0; result == 0 && i < plan->encoder_count; i++) {
         result = put_encoder_courses(self, &plan->encoders[i].settings);

@@ -39,7 +39,7 @@ static dg_ns settle_time(const struct interbus *self)
     return time > SETTLE_MIN ? time : SETTLE_MIN;
 }
 
-static bool write_out(struct interbus *self, uint32_t out, struct cf_report *report)
+static bool write_ring_out(struct interbus *self, uint32_t out, struct cf_report *report)
 {
     if (!self->settled) {
         verify_stream_sleep(self->sent + settle_time(self));
@@ -85,7 +85,7 @@ bool verify_interbus_exchange(struct interbus *self, uint32_t out,
                               bool (*is_right)(uint32_t out, uint32_t in), uint32_t *in)
 {
     struct cf_report ignored = {""};
-    return write_out(self, out, &ignored) &&
+    return write_ring_out(self, out, &ignored) &&
            look_until(self, is_right, in, ANSWER_MAX + self->jitter);
 }
 
@@ -121,7 +121,7 @@ bool verify_interbus_settle(struct interbus *self, struct cf_report *report)
         self->settled = true;
     }
     for (unsigned i = 0; i < 3 && !back; i++) {
-        back = (write_out(self, 0, report) &&
+        back = (write_ring_out(self, 0, report) &&
                 look_until(self, is_in_operation, &in, settle_time(self))) ||
                (verify_interbus_exchange(self, RELEASE, is_in_operation, &in) &&
                 verify_interbus_exchange(self, 0, is_in_operation, &in));
@@ -208,7 +208,7 @@ static bool is_as_delivered(const struct interbus *self, uint32_t wanted, uint32
 
 static bool on_sent(void *ctx, const struct cf_unit *request, struct cf_report *report)
 {
-    return write_out(ctx, dg_load_be32(request->bytes), report);
+    return write_ring_out(ctx, dg_load_be32(request->bytes), report);
 }
 
 static bool report_word(struct interbus *self, uint32_t expected, uint32_t came,
@@ -224,7 +224,7 @@ static bool report_word(struct interbus *self, uint32_t expected, uint32_t came,
 }
 
 /* IN becomes what is expected, and was only what it was until then. */
-static bool await_word(struct interbus *self, uint32_t expected, struct cf_report *report)
+static bool await_ring_word(struct interbus *self, uint32_t expected, struct cf_report *report)
 {
     const dg_ns until = self->sent + ANSWER_MAX + self->jitter;
     for (;;) {
@@ -287,7 +287,7 @@ static bool on_answered(void *ctx, const struct cf_answer *answer, struct cf_rep
         return verify_fail(&self->base, VERIFY_NOT_SEEN, report,
                            "needs an encoder in its delivery state");
     }
-    if (!self->settled && !await_word(self, expected, report)) {
+    if (!self->settled && !await_ring_word(self, expected, report)) {
         return false;
     }
     self->settled = stay_word(self, expected, report);
@@ -467,7 +467,7 @@ static int identify_encoder(struct interbus *self, const char *where, struct lx_
 }
 
 /* How far readings of a shaft at rest, and times of answers, are apart. */
-static int measure_encoder(struct interbus *self, const char *where, struct lx_error *error)
+static int measure_ring(struct interbus *self, const char *where, struct lx_error *error)
 {
     dg_ns shortest = DG_NEVER;
     dg_ns longest = 0;
@@ -536,7 +536,7 @@ static struct verify_encoder *open_encoder(const struct options *options, struct
     if (verify_coupler_open(&self->wire, options->where, dg_ib_image_words(&self->model), error) !=
             0 ||
         (!options->restore && (identify_encoder(self, options->where, error) != 0 ||
-                               measure_encoder(self, options->where, error) != 0))) {
+                               measure_ring(self, options->where, error) != 0))) {
         close_encoder(&self->base);
         return NULL;
     }
