@@ -285,7 +285,8 @@ static int power_rig_encoders(struct fmu *all)
 static int64_t speed_of(double rad_s)
 {
     const double steps = rad_s * (30e12 / 3.141592653589793238463 / (double)SPEED_STEP);
-    const double limit = (double)(SPEED_MAX / SPEED_STEP);
+    const int64_t most = SPEED_MAX / SPEED_STEP;
+    const double limit = (double)most;
     if (!(steps > -limit)) {
         return -SPEED_MAX;
     }

@@ -334,7 +334,7 @@ struct dg_rfc2217_uart dg_rfc2217_setting(const struct dg_rfc2217 *self)
 
     return (struct dg_rfc2217_uart){
         .baud = self->baud == 0 ? DG_BAUD_ANY : self->baud,
-        .parity = fits ? self->parity : NO_SUCH_PARITY,
+        .parity = fits ? self->parity : (char)NO_SUCH_PARITY,
     };
 }
 

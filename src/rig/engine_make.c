@@ -48,7 +48,7 @@ static int begin_shaft_motion(struct dg_engine *self, size_t index, struct dg_pl
 {
     const struct dg_plan_shaft *row = &self->setup.plan->shafts[index];
     struct engine_shaft *shaft = &self->shafts[index];
-    struct dg_motion motion;
+    struct dg_motion motion = {.points = NULL};
 
     if (row->motion == NULL) {
         return 0;

@@ -544,6 +544,31 @@ static void long_errors_are_cut(void **state)
     assert_true(strlen(line.text) < sizeof line.text);
 }
 
+static void wires_of_plan_and_port_are_the_same(void **state)
+{
+    const struct dg_plan_wire_kind *modbus = dg_plan_find_kind("modbus:x", 6);
+    (void)state;
+    assert_non_null(modbus);
+    assert_true(dg_plan_wire_has(modbus, "cycle"));
+    assert_true(dg_plan_wire_has(modbus, "break_at"));
+    assert_false(dg_plan_wire_has(modbus, "temperature"));
+    assert_false(dg_plan_wire_has(dg_plan_find_kind("pty", 3), "cycle"));
+    assert_null(dg_plan_find_kind("pt", 2));
+    assert_null(dg_plan_find_kind("ptyx", 4));
+    assert_int_equal(lx_wire_count, dg_plan_wire_count);
+    for (size_t i = 0; i < dg_plan_wire_count; i++) {
+        const struct dg_plan_wire_kind *kind = &dg_plan_wires[i];
+        const struct lx_wire *door = &lx_wires[i];
+        assert_ptr_equal(dg_plan_find_kind(kind->name, strlen(kind->name)), kind);
+        assert_true(kind->stations_max > 0);
+        assert_true(kind->where != NULL || !kind->where_needed);
+        assert_int_equal(kind->keys == NULL, kind->settings == NULL);
+        assert_string_equal(door->name, kind->name);
+        assert_ptr_equal(lx_wire_of(kind), door);
+        assert_non_null(door->make);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -562,6 +587,7 @@ int main(void)
         cmocka_unit_test(whoever_is_nearest_says_where),
         cmocka_unit_test(an_error_is_one_line_without_colours),
         cmocka_unit_test(long_errors_are_cut),
+        cmocka_unit_test(wires_of_plan_and_port_are_the_same),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
