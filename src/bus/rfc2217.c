@@ -330,12 +330,15 @@ void dg_rfc2217_feed(struct dg_rfc2217 *self, const struct dg_rfc2217_uart *foun
 
 struct dg_rfc2217_uart dg_rfc2217_setting(const struct dg_rfc2217 *self)
 {
-    const bool fits = self->data_bits == 0 || self->data_bits == DATA_BITS;
-
-    return (struct dg_rfc2217_uart){
+    struct dg_rfc2217_uart uart = {
         .baud = self->baud == 0 ? DG_BAUD_ANY : self->baud,
-        .parity = fits ? self->parity : (char)NO_SUCH_PARITY,
+        .parity = self->parity,
     };
+
+    if (self->data_bits != 0 && self->data_bits != DATA_BITS) {
+        uart.parity = NO_SUCH_PARITY;
+    }
+    return uart;
 }
 
 size_t dg_rfc2217_print(const struct dg_rfc2217 *self, const struct dg_rfc2217_sound *sound,

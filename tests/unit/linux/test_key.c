@@ -544,6 +544,25 @@ static void long_errors_are_cut(void **state)
     assert_true(strlen(line.text) < sizeof line.text);
 }
 
+/* The very name goes before one where '-' stands for '_'. */
+static void encoders_by_name(void **state)
+{
+    static const char *const names[] = {"a-b", "A_b", "c-d", "c_e"};
+    struct dg_plan plan;
+    (void)state;
+    plan_rig_begin(&plan, "w", dg_plan_find_kind("can", 3), "vcan0");
+    for (int i = 0; i < 4; i++) {
+        assert_int_equal(dg_plan_add_encoder(&plan, names[i], dg_device_find("f3668"), 0, 0), i);
+    }
+    assert_int_equal(dg_plan_find_encoder(&plan, "A-B"), 0);
+    assert_int_equal(dg_plan_find_encoder(&plan, "a_b"), 1);
+    assert_int_equal(dg_plan_find_encoder(&plan, "C_D"), 2);
+    assert_int_equal(dg_plan_find_encoder(&plan, "c-e"), 3);
+    assert_int_equal(dg_plan_find_encoder(&plan, "c-"), -1);
+    assert_int_equal(dg_plan_find_encoder(&plan, "c-ee"), -1);
+    lx_plan_free(&plan);
+}
+
 static void wires_of_plan_and_port_are_the_same(void **state)
 {
     const struct dg_plan_wire_kind *modbus = dg_plan_find_kind("modbus:x", 6);
@@ -587,6 +606,7 @@ int main(void)
         cmocka_unit_test(whoever_is_nearest_says_where),
         cmocka_unit_test(an_error_is_one_line_without_colours),
         cmocka_unit_test(long_errors_are_cut),
+        cmocka_unit_test(encoders_by_name),
         cmocka_unit_test(wires_of_plan_and_port_are_the_same),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

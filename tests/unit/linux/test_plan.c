@@ -639,25 +639,6 @@ static void one_section_for_many(void **state)
     lx_plan_free(&plan);
 }
 
-/* The very name goes before one where '-' stands for '_'. */
-static void encoders_by_name(void **state)
-{
-    static const char *const names[] = {"a-b", "A_b", "c-d", "c_e"};
-    struct dg_plan plan;
-    (void)state;
-    plan_rig_begin(&plan, "w", dg_plan_find_kind("can", 3), "vcan0");
-    for (int i = 0; i < 4; i++) {
-        assert_int_equal(dg_plan_add_encoder(&plan, names[i], dg_device_find("f3668"), 0, 0), i);
-    }
-    assert_int_equal(dg_plan_find_encoder(&plan, "A-B"), 0);
-    assert_int_equal(dg_plan_find_encoder(&plan, "a_b"), 1);
-    assert_int_equal(dg_plan_find_encoder(&plan, "C_D"), 2);
-    assert_int_equal(dg_plan_find_encoder(&plan, "c-e"), 3);
-    assert_int_equal(dg_plan_find_encoder(&plan, "c-"), -1);
-    assert_int_equal(dg_plan_find_encoder(&plan, "c-ee"), -1);
-    lx_plan_free(&plan);
-}
-
 /* From the command line there are no lines. */
 static void without_a_file(void **state)
 {
@@ -695,7 +676,6 @@ int main(void)
         cmocka_unit_test(so_many_files_are_included),
         cmocka_unit_test(many),
         cmocka_unit_test(one_section_for_many),
-        cmocka_unit_test(encoders_by_name),
         cmocka_unit_test(without_a_file),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);
