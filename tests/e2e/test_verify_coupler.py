@@ -17,6 +17,7 @@ from pathlib import Path
 import pytest
 
 from rig import PROGRAM, Client, Encoder, run_refused
+from verified import Server
 
 K3 = "ocd-ib-k3"
 LIMIT_S = 120.0
@@ -70,17 +71,15 @@ def those(found: dict, result: str) -> set:
     return {clause for clause, (became, _) in found.items() if became == result}
 
 
-class Between(threading.Thread):
+class Between(Server):
     """A coupler between the command and ours, for one client. alter(command, word) makes of IN what is sent in its place,
     where `command` is the last OUT with a command; hear(OUT) is told of each OUT. answer(reply) makes of a whole reply what
     is sent; None: the connection ends."""
 
     def __init__(self, port, alter=lambda _, word: word, hear=lambda _: None, answer=lambda reply: reply):
-        super().__init__(daemon=True)
+        super().__init__()
         self.port, self.alter, self.hear, self.answer = port, alter, hear, answer
         self.command, self.stopping = 0, False
-        self.listener = socket.create_server(("127.0.0.1", 0))
-        self.where = "127.0.0.1:%d" % self.listener.getsockname()[1]
 
     @staticmethod
     def message(wire) -> bytes:
@@ -106,17 +105,6 @@ class Between(threading.Thread):
                     if reply is None:
                         return
                     near.sendall(reply)
-
-    def __enter__(self):
-        self.start()
-        return self
-
-    def __exit__(self, *_):
-        with contextlib.suppress(OSError):
-            self.listener.shutdown(socket.SHUT_RDWR)
-        self.listener.close()
-        self.join(LIMIT_S)
-        assert not self.is_alive()
 
 
 # --- our own

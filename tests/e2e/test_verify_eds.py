@@ -5,11 +5,11 @@ import contextlib
 import re
 import socket
 import subprocess
-import threading
 
 import pytest
 
 from rig import PROGRAM, REPOSITORY, Encoder, run_refused
+from verified import Server
 
 LIMIT_S = 60.0
 NODE = 63
@@ -49,14 +49,13 @@ DEVICE = {(0x1000, 0): b"\x96\x01\x01\0", (0x1001, 0): b"\0", (0x1018, 0): b"\1"
           (0x2003, 0): b"\7", (0x2004, 0): bytes(8), (0x2005, 0): b"\1\2\3"}
 
 
-class Device(threading.Thread):
+class Device(Server):
     """A node with an SDO server for uploads, behind an adapter, for one master."""
 
     def __init__(self, **changes):
-        super().__init__(daemon=True)
+        super().__init__()
         self.objects = DEVICE | changes.get("objects", {})
-        self.listener = socket.create_server(("127.0.0.1", 0))
-        self.where = f"--slcan=tcp:127.0.0.1:{self.listener.getsockname()[1]}"
+        self.option = f"--slcan=tcp:{self.where}"
         self.lines = []
 
     def answer(self, line: bytes) -> bytes:
@@ -83,17 +82,6 @@ class Device(threading.Thread):
                 for line in lines:
                     wire.sendall(self.answer(line))
 
-    def __enter__(self):
-        self.start()
-        return self
-
-    def __exit__(self, *_):
-        with contextlib.suppress(OSError):
-            self.listener.shutdown(socket.SHUT_RDWR)
-        self.listener.close()
-        self.join(LIMIT_S)
-        assert not self.is_alive()
-
 
 def verify(file, where: str, *arguments, status: int = 0) -> subprocess.CompletedProcess:
     ended = subprocess.run([PROGRAM, "verify", str(file), where, *map(str, arguments)], stdin=subprocess.DEVNULL,
@@ -116,7 +104,7 @@ AGREES = """1000:0 1000:0-type 1000:0-value 1001:0 1001:0-type 1018:0 1018:0-typ
 
 def test_a_device_that_does_what_its_file_says(file):
     with Device() as device:
-        ended = verify(file, device.where)
+        ended = verify(file, device.option)
     lines = ended.stdout.splitlines()
     assert sorted(lines[1:-1]) == sorted(f"agrees   {clause}" for clause in AGREES)
     assert lines[-1] == f"{len(AGREES)} clauses agree, 0 differ, 0 were not seen"
@@ -141,7 +129,7 @@ BROKEN = {
 @pytest.mark.parametrize("clause", BROKEN)
 def test_each_broken_device_is_found_and_named(file, clause):
     with Device(objects=BROKEN[clause]) as device:
-        ended = verify(file, device.where, clause, status=1)
+        ended = verify(file, device.option, clause, status=1)
     why = next(line for line in ended.stdout.splitlines() if line.startswith(f"differs  {clause}: "))
     index, sub = (int(part, 16) for part in clause.partition("-")[0].split(":"))
     assert f"sent 63F 40 {index & 255:02X} {index >> 8:02X} {sub:02X}" in why and "expected an object that is" in why
@@ -150,7 +138,7 @@ def test_each_broken_device_is_found_and_named(file, clause):
 
 def test_what_somebody_may_have_written_is_no_difference(file):
     with Device(objects={(0x2003, 0): b"\3", (0x1001, 0): 0x08000024}) as device:
-        ended = verify(file, device.where, "2003", "1001")
+        ended = verify(file, device.option, "2003", "1001")
     assert "not seen 2003:0-value: eds:" in ended.stdout and "not seen 1001:0-type: eds:" in ended.stdout
     assert "agrees   2003:0-limits" in ended.stdout and "agrees   1001:0\n" in ended.stdout
 

@@ -12,7 +12,7 @@ from xml.etree import ElementTree
 import pytest
 
 from rig import PROGRAM, Encoder, free_port, run, run_refused
-from verified import WIRES
+from verified import WIRES, Server
 
 NODE = 63
 CLAUSE = "M12-7"  # it asks for a constant, and nothing else
@@ -20,15 +20,14 @@ OBJECTS = {0x1000: 0x00020196, 0x6004: 1000, 0x2160: 1000}
 LIMIT_S = 20.0
 
 
-class Node(threading.Thread):
+class Node(Server):
     """A node behind an SLCAN adapter on TCP, for one master. change(number, index, line) makes of the answer to the
     n-th upload what is sent in its place; None: the connection ends."""
 
     def __init__(self, change=lambda number, index, line: line, node: int = NODE):
-        super().__init__(daemon=True)
+        super().__init__()
         self.change, self.node = change, node
-        self.listener = socket.create_server(("127.0.0.1", 0))
-        self.where = f"--slcan=tcp:127.0.0.1:{self.listener.getsockname()[1]}"
+        self.option = f"--slcan=tcp:{self.where}"
         self.lines = []
         self.number = 0
 
@@ -54,20 +53,9 @@ class Node(threading.Thread):
                         return
                     wire.sendall(sent)
 
-    def __enter__(self):
-        self.start()
-        return self
-
-    def __exit__(self, *_):
-        with contextlib.suppress(OSError):
-            self.listener.shutdown(socket.SHUT_RDWR)
-        self.listener.close()
-        self.join(LIMIT_S)
-        assert not self.is_alive()
-
 
 def verify(node: Node, *arguments, **options) -> subprocess.CompletedProcess:
-    return subprocess.run([PROGRAM, "verify", "f3668", node.where, *map(str, arguments)], stdin=subprocess.DEVNULL,
+    return subprocess.run([PROGRAM, "verify", "f3668", node.option, *map(str, arguments)], stdin=subprocess.DEVNULL,
                           stderr=subprocess.PIPE, text=True, timeout=LIMIT_S,
                           **({"stdout": subprocess.PIPE} | options))
 
@@ -123,7 +111,7 @@ def test_nodes_that_are_refused(change, refusal):
         ended = verify(node)
     assert (ended.returncode, ended.stdout) == (1, "")
     (line,) = ended.stderr.splitlines()
-    assert line.startswith(f"drehgeber: {node.where.partition('=')[2]}: {refusal}; "), line
+    assert line.startswith(f"drehgeber: {node.option.partition('=')[2]}: {refusal}; "), line
 
 
 LOST = {

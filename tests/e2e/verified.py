@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: MIT
 """What tests of `drehgeber verify` share: our own encoders in the place of real ones, several at a time since most of
 the time is waiting, and a wire between that can spoil what goes over it."""
+import contextlib
 import json
 import os
 import re
 import select
+import socket
 import subprocess
 import tempfile
 import threading
@@ -124,6 +126,26 @@ def state(model: str, folder) -> tuple:
     for first, end in WRITTEN[model][2]:
         kept[first:end] = bytes(end - first)
     return bytes(kept), uploads(folder / "link") if model == "f3668" else []
+
+
+class Server(threading.Thread):
+    """Talks with one client on a port of its own, `where`, in run()."""
+
+    def __init__(self):
+        super().__init__(daemon=True)
+        self.listener = socket.create_server(("127.0.0.1", 0))
+        self.where = f"127.0.0.1:{self.listener.getsockname()[1]}"
+
+    def __enter__(self):
+        self.start()
+        return self
+
+    def __exit__(self, *_):
+        with contextlib.suppress(OSError):
+            self.listener.shutdown(socket.SHUT_RDWR)
+        self.listener.close()
+        self.join(LIMIT_S)
+        assert not self.is_alive()
 
 
 class Between(threading.Thread):
