@@ -61,11 +61,12 @@ DG_API bool dg_ib_coupler_readable(const struct dg_ib_coupler *self, struct dg_i
 /** Whether every register of the range may be written, and no OUT word in part (I21). */
 DG_API bool dg_ib_coupler_writable(const struct dg_ib_coupler *self, struct dg_ib_registers range);
 
-/** Read a readable range. */
+/** Read a readable range; a register that does not exist is 0. */
 DG_API void dg_ib_coupler_read(const struct dg_ib_coupler *self, struct dg_ib_registers range,
                                uint16_t *to);
 
-/** Write a writable range. @return false: a value is out of range, and nothing was written */
+/** Write a writable range. @return false: a value is out of range, or a register cannot be written;
+ * nothing was */
 DG_API bool dg_ib_coupler_write(struct dg_ib_coupler *self, struct dg_ib_registers range,
                                 const uint16_t *values);
 

@@ -349,22 +349,33 @@ void dg_ib_coupler_read(const struct dg_ib_coupler *self, struct dg_ib_registers
 {
     for (uint32_t i = 0; i < range.count; i++) {
         const struct row *row = row_at(self, range.first + i);
-        to[i] = row->read(self, (uint16_t)(range.first + i - row->first));
+        to[i] = row == NULL ? 0 : row->read(self, (uint16_t)(range.first + i - row->first));
     }
+}
+
+/* All of them, or with `write` false none. @return false: one of them is not possible */
+static bool write_registers(struct dg_ib_coupler *self, struct dg_ib_registers range,
+                            const uint16_t *values, bool write)
+{
+    for (uint32_t i = 0; i < range.count; i++) {
+        const struct row *row = row_at(self, range.first + i);
+        if (row == NULL || row->write == NULL || values[i] > row->most) {
+            return false;
+        }
+        if (write) {
+            row->write(self, (uint16_t)(range.first + i - row->first), values[i]);
+        }
+    }
+    return true;
 }
 
 bool dg_ib_coupler_write(struct dg_ib_coupler *self, struct dg_ib_registers range,
                          const uint16_t *values)
 {
-    for (uint32_t i = 0; i < range.count; i++) {
-        if (values[i] > row_at(self, range.first + i)->most) {
-            return false;
-        }
+    if (!write_registers(self, range, values, false)) {
+        return false;
     }
-    for (uint32_t i = 0; i < range.count; i++) {
-        const struct row *row = row_at(self, range.first + i);
-        row->write(self, (uint16_t)(range.first + i - row->first), values[i]);
-    }
+    (void)write_registers(self, range, values, true);
     if (range.count > 0) {
         dg_ring_master_stir(self->master);
     }

@@ -334,6 +334,21 @@ static void settings_and_missed_cycles(void **state)
     assert_int_equal(get(0x1123), DG_RING_FALLBACK_STOP);
 }
 
+/* A request that a host has not looked at first changes nothing. */
+static void registers_that_are_not_there(void **state)
+{
+    static const struct dg_ib_registers ranges[] = {{0x100A, 1}, {0x100C, 1}, {0x1122, 3}};
+    static const uint16_t values[] = {0, 0, 0};
+    uint16_t value = 7;
+    (void)state;
+    for (size_t i = 0; i < DG_COUNT(ranges); i++) {
+        assert_false(dg_ib_coupler_write(&map, ranges[i], values));
+    }
+    assert_int_equal(get(0x1122), 1);
+    dg_ib_coupler_read(&map, (struct dg_ib_registers){0x100A, 1}, &value);
+    assert_int_equal(value, 0);
+}
+
 static void registers_of_a_device(void **state)
 {
     enum { SELF_TEST = 2, READ_OUT = 16, PARAMETERS_LOST = 64 };
@@ -370,6 +385,7 @@ int main(void)
         cmocka_unit_test_setup(requests_and_cycles, set_up),
         cmocka_unit_test_setup(identification, set_up),
         cmocka_unit_test_setup(settings_and_missed_cycles, set_up),
+        cmocka_unit_test_setup(registers_that_are_not_there, set_up),
         cmocka_unit_test_setup(registers_of_a_device, set_up),
     };
     return cmocka_run_group_tests_name("a ring's coupler", tests, NULL, NULL);
