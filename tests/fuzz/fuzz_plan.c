@@ -7,6 +7,7 @@
 #include <stdint.h>
 #include <string.h>
 
+#include "drehgeber/host_wire.h"
 #include "fuzz_input.h"
 #include "memory_file.h"
 #include "plan.h"
@@ -30,28 +31,17 @@ static void check_settings(const struct dg_plan_settings *settings)
     }
 }
 
-static dg_angle angle_of_nothing(void *ctx, dg_ns at)
-{
-    (void)ctx;
-    (void)at;
-    return 0;
-}
-
 /* Whatever was taken can be made. */
 static void check_model(const struct dg_plan_model *model)
 {
-    static const struct dg_nvm_ops untouched;
-    static struct dg_world world;
-    static _Alignas(max_align_t) unsigned char device[16384];
-    const struct dg_stack *stack = model->device->stack;
-    const struct dg_stack_setup setup = {
-        .model = model->device->model, .world = &world, .nvm = {&untouched, NULL}};
+    static _Alignas(DG_HOST_ALIGN) unsigned char memory[65536];
+    const struct dg_device *device = model->device;
+    const struct dg_host_wire *wire = dg_host_wire_of(device);
 
-    dg_world_init(&world);
-    world.angle = angle_of_nothing;
-    fuzz_must(dg_plan_name_fits(model->device->name) && model->device->stack == model->base->stack);
+    fuzz_must(dg_plan_name_fits(device->name) && device->stack == model->base->stack);
     fuzz_must(model->depth >= 1 && model->depth <= DG_PLAN_BASES_MAX);
-    fuzz_must(stack->device_size <= sizeof device && stack->init(device, &setup) == DG_OK);
+    fuzz_must(dg_host_size(device, wire) <= sizeof memory);
+    fuzz_must(dg_host_init(memory, sizeof memory, device, wire) != NULL);
 }
 
 static void check_plan(const struct dg_plan *plan)
