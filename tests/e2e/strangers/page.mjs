@@ -10,10 +10,15 @@ const load = (name) => import(pathToFileURL(folder + name));
 const { Engine } = await load("engine.js");
 const { Rig, SECOND } = await load("rig.js");
 
-const MODELS = ["s3684-rs485", "eleven-24", "ssi-25", "tenbit-low"];
+// Model and wire.
+const MODELS = { "s3684-rs485": "pty", "eleven-24": "pty", "ssi-25": "sim", "tenbit-low": "sim" };
+const RIG = `[shaft shaft]\n${Object.entries(MODELS).map(([model, wire]) =>
+  `[encoder ${model}]\nmodel = ${model}\nwire = ${wire}\n`).join("")}`;
 const heard = [];
 const engine = await Engine.load(await readFile(`${folder}drehgeber.wasm`));
-const rig = new Rig(engine, MODELS, {}, ({ encoder, ours, bytes, words }) => heard.push([encoder.model, ours, bytes, words]));
+const rig = new Rig(engine, RIG, {}, ({ encoder, ours, bytes, words }) => {
+  heard.push([encoder.model, ours, [...bytes], words]);
+});
 const [s36, eleven, , tenbit] = rig.encoders;
 rig.place(2n ** 30n);
 eleven.request(Uint8Array.of(2));

@@ -80,4 +80,4 @@ def test_the_page_has_them():
     assert bytes(said[1][2]) == QUARTER
     assert any(row[0] == "s3684-rs485" and row[1] and "position 16384" in row[3] for row in found["heard"])
     assert found["bits"] == f"{256:010b}"
-    assert "Undefined header;SSI:FRAM?" in found["errors"][0]  # a panel has the commands of its protocol only
+    assert "tenbit-low: it is no SSI encoder" in found["errors"][0]
