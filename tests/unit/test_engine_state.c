@@ -452,6 +452,94 @@ static void what_somebody_has_made_is_looked_at(void **state)
     assert_int_equal(restore(n), DG_HOST_OK);
 }
 
+/* A shaft of two phases, the first of which accelerates. */
+static void phases_that_cannot_be_are_refused(void **state)
+{
+    static const struct {
+        uint64_t span;
+        int64_t accel;
+        int64_t prpm;
+        uint64_t part;
+        uint8_t count;
+        bool good;
+    } rows[] = {
+        {DG_S(1), 1000, 0, 0, 2, true},
+        {DG_S(1), -1000, -1000, 0, 2, true},
+        {DG_S(1), 1000, 0, DG_SHAFT_PARTS, 2, false},
+        {DG_S(1), 1000, INT64_MAX, 0, 2, false},
+        {DG_S(1), 1000, INT64_MIN, 0, 2, false},
+        {0 - (uint64_t)DG_S(1), 1000, 0, 0, 2, false},
+        {DG_S(1), INT64_MAX, 0, 0, 2, false},
+        {0, 0, 0, 0, 0, false},
+    };
+    uint8_t *shaft = state_bytes + HEADER_SIZE + sizeof(dg_ns);
+
+    (void)state;
+    begin(&scenes[0], &worlds[0]);
+    const size_t n = save(&worlds[0]);
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
+        struct dg_shaft_course course = {.count = rows[i].count};
+        course.phase[0].at = READY;
+        course.phase[0].mrpm_per_s = rows[i].accel;
+        course.phase[0].prpm = rows[i].prpm;
+        course.phase[0].part = rows[i].part;
+        course.phase[1].at = READY + rows[i].span;
+        memcpy(shaft, &course, sizeof course);
+        sign(n);
+        assert_int_equal(restore(n), rows[i].good ? DG_HOST_OK : DG_HOST_ERR_DAMAGED);
+    }
+}
+
+/* Behind both courses of a shaft are its acceleration, its offset and the words of its motion. */
+static void the_rest_of_a_shaft_is_looked_at(void **state)
+{
+    uint8_t *rest = state_bytes + HEADER_SIZE + sizeof(dg_ns) + 2u * sizeof(struct dg_shaft_course);
+    const int64_t most = INT64_MAX;
+    int64_t accel;
+
+    (void)state;
+    begin(&scenes[0], &worlds[0]);
+    const size_t n = save(&worlds[0]);
+    memcpy(&accel, rest, sizeof accel);
+    memcpy(rest, &most, sizeof most);
+    sign(n);
+    assert_int_equal(restore(n), DG_HOST_ERR_DAMAGED);
+    memcpy(rest, &accel, sizeof accel);
+    rest[16u + 63u] = 'x';
+    sign(n);
+    assert_int_equal(restore(n), DG_HOST_ERR_DAMAGED);
+    rest[16u + 63u] = 0;
+    sign(n);
+    assert_int_equal(restore(n), DG_HOST_OK);
+}
+
+/* Behind two shafts is the course of the plan: its start, when it is due, whether it is followed. */
+static void a_course_that_cannot_be_is_refused(void **state)
+{
+    const size_t shaft_size = 2u * sizeof(struct dg_shaft_course) + 16u + 64u;
+    uint8_t *at = state_bytes + HEADER_SIZE + sizeof(dg_ns) + 2u * shaft_size;
+    uint64_t words[3];
+
+    (void)state;
+    begin(&scenes[0], &worlds[0]);
+    const size_t n = save(&worlds[0]);
+    memcpy(words, at, sizeof words);
+    assert_int_equal(words[2], 1);
+    words[2] = 2;
+    memcpy(at, words, sizeof words);
+    sign(n);
+    assert_int_equal(restore(n), DG_HOST_ERR_DAMAGED);
+    words[2] = 1;
+    words[1] = 0;
+    memcpy(at, words, sizeof words);
+    sign(n);
+    assert_int_equal(restore(n), DG_HOST_ERR_DAMAGED);
+    words[2] = 0;
+    memcpy(at, words, sizeof words);
+    sign(n);
+    assert_int_equal(restore(n), DG_HOST_OK);
+}
+
 /* Behind shafts and course are those of the first encoder; what is refused leaves none. */
 static void faults_that_cannot_be_are_refused(void **state)
 {
@@ -490,6 +578,35 @@ static void faults_that_cannot_be_are_refused(void **state)
     assert_int_equal(restore(n), DG_HOST_OK);
 }
 
+/* Neither below what the quantity can be, nor with another byte where there is a bool. */
+static void faults_of_other_bytes_are_refused(void **state)
+{
+    const size_t shaft_size = 2u * sizeof(struct dg_shaft_course) + 16u + 64u;
+    uint8_t *at = state_bytes + HEADER_SIZE + sizeof(dg_ns) + 2u * shaft_size + 24u;
+    struct dg_faults faults;
+
+    (void)state;
+    begin(&scenes[0], &worlds[0]);
+    set_fault(&worlds[0], "temperature_high");
+    const size_t n = save(&worlds[0]);
+    memcpy(&faults, at, sizeof faults);
+    for (size_t i = 0; i < DG_FAULTS_MAX; i++) {
+        faults.fault[i].healthy = faults.fault[i].active ? INT32_MIN : faults.fault[i].healthy;
+    }
+    memcpy(at, &faults, sizeof faults);
+    sign(n);
+    assert_int_equal(restore(n), DG_HOST_ERR_DAMAGED);
+    memset(&faults, 0, sizeof faults);
+    for (uint8_t active = 1; active <= 3u; active++) { /* 2 is no bool, and the last one no fault */
+        struct dg_faults forged = faults;
+        const uint8_t byte = active == 3u ? 1u : active;
+        memcpy(&forged.fault[active == 3u ? DG_FAULTS_MAX - 1u : 0].active, &byte, 1);
+        memcpy(at, &forged, sizeof forged);
+        sign(n);
+        assert_int_equal(restore(n), active == 1u ? DG_HOST_OK : DG_HOST_ERR_DAMAGED);
+    }
+}
+
 /* Its points are nowhere but with the host. */
 static void what_only_the_host_plays_cannot_be_saved(void **state)
 {
@@ -517,7 +634,11 @@ int main(void)
         cmocka_unit_test(a_rig_goes_on_elsewhere),
         cmocka_unit_test(what_is_no_state_is_refused),
         cmocka_unit_test(what_somebody_has_made_is_looked_at),
+        cmocka_unit_test(phases_that_cannot_be_are_refused),
+        cmocka_unit_test(the_rest_of_a_shaft_is_looked_at),
+        cmocka_unit_test(a_course_that_cannot_be_is_refused),
         cmocka_unit_test(faults_that_cannot_be_are_refused),
+        cmocka_unit_test(faults_of_other_bytes_are_refused),
         cmocka_unit_test(what_only_the_host_plays_cannot_be_saved),
     };
 
