@@ -540,17 +540,26 @@ static void a_course_that_cannot_be_is_refused(void **state)
     assert_int_equal(restore(n), DG_HOST_OK);
 }
 
-/* Behind shafts and course are those of the first encoder; what is refused leaves none. */
-static void faults_that_cannot_be_are_refused(void **state)
+/* A rig whose first encoder is too warm. @return bytes of its state; its faults are `at`, behind shafts and
+   course */
+static size_t save_with_fault(uint8_t **at)
 {
     const size_t shaft_size = 2u * sizeof(struct dg_shaft_course) + 16u + 64u;
-    uint8_t *at = state_bytes + HEADER_SIZE + sizeof(dg_ns) + 2u * shaft_size + 24u;
-    struct dg_faults faults;
 
-    (void)state;
     begin(&scenes[0], &worlds[0]);
     set_fault(&worlds[0], "temperature_high");
-    const size_t n = save(&worlds[0]);
+    *at = state_bytes + HEADER_SIZE + sizeof(dg_ns) + 2u * shaft_size + 24u;
+    return save(&worlds[0]);
+}
+
+/* What is refused leaves none. */
+static void faults_that_cannot_be_are_refused(void **state)
+{
+    struct dg_faults faults;
+    uint8_t *at;
+
+    (void)state;
+    const size_t n = save_with_fault(&at);
     const struct dg_encoder *encoder = dg_engine_control(worlds[0].rig.engine)->encoders[0];
     assert_memory_equal(at, &encoder->faults, sizeof encoder->faults);
     memcpy(&faults, at, sizeof faults);
@@ -581,14 +590,11 @@ static void faults_that_cannot_be_are_refused(void **state)
 /* Neither below what the quantity can be, nor with another byte where there is a bool. */
 static void faults_of_other_bytes_are_refused(void **state)
 {
-    const size_t shaft_size = 2u * sizeof(struct dg_shaft_course) + 16u + 64u;
-    uint8_t *at = state_bytes + HEADER_SIZE + sizeof(dg_ns) + 2u * shaft_size + 24u;
     struct dg_faults faults;
+    uint8_t *at;
 
     (void)state;
-    begin(&scenes[0], &worlds[0]);
-    set_fault(&worlds[0], "temperature_high");
-    const size_t n = save(&worlds[0]);
+    const size_t n = save_with_fault(&at);
     memcpy(&faults, at, sizeof faults);
     for (size_t i = 0; i < DG_FAULTS_MAX; i++) {
         faults.fault[i].healthy = faults.fault[i].active ? INT32_MIN : faults.fault[i].healthy;
