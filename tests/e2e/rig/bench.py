@@ -22,12 +22,12 @@ E2E = Path(__file__).resolve().parents[1]
 sys.path += [str(E2E), str(E2E / "canopen")]
 from can_rig import WIRE, Tap, on_slcan, open_bus  # noqa: E402
 from hiperface_master import Master  # noqa: E402
-from rig import (HELD_UP, PATIENCE_S, PROGRAM, Lines, assert_takes, free_port, run,  # noqa: E402
-                 tell_stalls)
+from rig import (HELD_UP, PATIENCE_S, PROGRAM, Lines, assert_silent, assert_takes, free_port,  # noqa: E402
+                 run, tell_stalls)
 
 __all__ = ["Bench", "BissMaster", "CanMaster", "Coupler", "ERROR", "Master", "NO_ERROR",
-           "PATIENCE_S", "PROGRAM", "Session", "assert_takes", "can_wire", "connect", "eventually", "fields",
-           "free_port", "run"]
+           "PATIENCE_S", "PROGRAM", "Session", "assert_silent", "assert_takes", "can_wire", "connect", "eventually",
+           "fields", "free_port", "run"]
 
 NO_ERROR = 0
 ERROR = re.compile(r'([+-]?\d+),"(.*)"')
