@@ -17,6 +17,17 @@
 #define HALF_BITS 32u
 #define WORD_BITS 64u
 
+#if defined(__SIZEOF_INT128__) && UINTPTR_MAX > UINT32_MAX
+__extension__ typedef unsigned __int128 word_pair;
+
+/** One instruction of a processor of 64 bits. */
+static inline struct dg_wide multiply_wide(uint64_t a, uint64_t b)
+{
+    const word_pair product = (word_pair)a * b;
+
+    return (struct dg_wide){.high = (uint64_t)(product >> WORD_BITS), .low = (uint64_t)product};
+}
+#else
 /** Schoolbook multiplication in halves of 32 bits. */
 static inline struct dg_wide multiply_wide(uint64_t a, uint64_t b)
 {
@@ -33,6 +44,7 @@ static inline struct dg_wide multiply_wide(uint64_t a, uint64_t b)
         .low = other_cross << HALF_BITS | (uint32_t)lows,
     };
 }
+#endif
 
 uint64_t dg_divide_by(struct dg_wide value, const struct dg_reciprocal *by, uint64_t *rest)
 {
