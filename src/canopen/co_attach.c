@@ -34,13 +34,12 @@ static bool values_fit(const struct dg_co_node *self)
 /* @return its bytes in a TPDO, or more than one has */
 static uint8_t mapped_size(const struct dg_co_device *device, uint16_t number)
 {
-    const struct dg_co_dictionary *half =
-        (number & 0x8000u) != 0 ? &device->dictionary : &dg_co_common_dictionary;
+    const struct dg_co_dictionary *half = co_numbered_in(device, number);
 
     if ((number & 0x7FFFu) >= half->count) {
         return UINT8_MAX;
     }
-    const struct dg_co_object object = co_numbered(device, number);
+    const struct dg_co_object object = co_object(half, co_row_in(half, number));
     return co_is(&object, DG_CO_MAP | DG_CO_R) ? co_size(&object) : UINT8_MAX;
 }
 

@@ -26,13 +26,16 @@ static inline struct dg_co_object co_object(const struct dg_co_dictionary *dicti
     return (struct dg_co_object){row, dictionary, row->slot, (uint8_t)(row->key >> 8),
                                  (uint16_t)(row->key >> 16)};
 }
-/** A mappable object by its number, see dg_co_tpdo.mapped, and the number of one. */
-static inline struct dg_co_object co_numbered(const struct dg_co_device *device, uint16_t number)
+/** The dictionary of a mappable object, and its row, by its number, see dg_co_tpdo.mapped. */
+static inline const struct dg_co_dictionary *co_numbered_in(const struct dg_co_device *device,
+                                                            uint16_t number)
 {
-    const struct dg_co_dictionary *dictionary =
-        (number & 0x8000u) != 0 ? &device->dictionary : &dg_co_common_dictionary;
-
-    return co_object(dictionary, &dictionary->rows[number & 0x7FFFu]);
+    return (number & 0x8000u) != 0 ? &device->dictionary : &dg_co_common_dictionary;
+}
+static inline const struct dg_co_row *co_row_in(const struct dg_co_dictionary *dictionary,
+                                                uint16_t number)
+{
+    return &dictionary->rows[number & 0x7FFFu];
 }
 uint16_t dg_co_number(const struct dg_co_object *object);
 

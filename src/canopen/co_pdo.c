@@ -25,16 +25,31 @@ static bool is_synchronous(uint8_t type)
 
 /* ------------------------------------------------------------ sending */
 
+/* Most of what is mapped is a value, such as the position: 6004h. */
+static uint32_t read_mapped(struct dg_co_node *self, uint16_t number, uint8_t *size)
+{
+    const struct dg_co_dictionary *dictionary = co_numbered_in(self->setup.device, number);
+    const struct dg_co_row *row = co_row_in(dictionary, number);
+
+    *size = dg_co_sizes[row->flags >> 12];
+    if (row->hook == 0 && (row->flags & DG_CO_SLOT) != 0) {
+        return self->value[row->slot];
+    }
+    const struct dg_co_object object = co_object(dictionary, row);
+    uint32_t value;
+    (void)co_read(self, &object, &value);
+    return value;
+}
+
 /* Values little-endian, one behind the other; a store's surplus is zeros, and overwritten by the
  * next. */
 static void build_frame(struct dg_co_node *self, const struct dg_co_tpdo *tpdo, uint8_t *data)
 {
     for (uint8_t i = 0; i < tpdo->mapped_count; i++) {
-        const struct dg_co_object object = co_numbered(self->setup.device, tpdo->mapped[i]);
-        uint32_t value;
-        (void)co_read(self, &object, &value);
-        dg_store_le32(data, co_cut(&object, value));
-        data += co_size(&object);
+        uint8_t size;
+        const uint32_t value = read_mapped(self, tpdo->mapped[i], &size);
+        dg_store_le32(data, value & 0xFFFFFFFFu >> (32u - 8u * size));
+        data += size;
     }
 }
 
