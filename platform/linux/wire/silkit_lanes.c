@@ -16,6 +16,8 @@
 
 /* Lanes are written by different processors all the time: they do not share a line of a cache. */
 #define APART 128u
+/* 2^32 times the golden ratio, without its whole turn. */
+#define GOLDEN 0x9E3779B9u
 
 struct lane {
     struct lx_silkit *all;
@@ -136,11 +138,19 @@ void lx_silkit_lanes_run(struct lx_silkit *self, dg_ns until, uint64_t end)
     }
 }
 
+/* Buses that are at work at the same moment are most often neighbours, or each tenth, or each
+ * hundredth one. Multiples of the golden ratio spread all of these evenly over the lanes. */
+static struct lane *home_of(const struct lx_silkit_lanes *self, size_t index)
+{
+    const uint32_t turn = (uint32_t)index * GOLDEN;
+    return &self->lane[(uint64_t)turn * self->count >> 32u];
+}
+
 /* Somebody has begun to listen to a bus, or does not any more. */
 static void find_place(struct lx_silkit_lanes *self, size_t index)
 {
     struct lx_silkit_port *port = self->port[index];
-    struct lane *home = &self->lane[index * self->count / self->port_count];
+    struct lane *home = home_of(self, index);
     const bool alone = !lx_tap_on(port->tap);
     if (alone != port->in_lane && lx_timer_move(port->timer, alone ? home->strand : NULL) == 0) {
         port->in_lane = alone;
