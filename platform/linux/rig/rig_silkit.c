@@ -22,6 +22,7 @@
 #define SIZE 16u
 #define TURN INT64_C(0x100000000)
 #define MRPM_PER_RPS 60000
+#define PRPM_PER_MRPM INT64_C(1000000000)
 #define SURE DG_S(1)
 
 /* A shaft's topics. */
@@ -40,13 +41,13 @@ static int64_t load_number(const uint8_t *from)
     return (int64_t)((uint64_t)dg_load_le32(from) | (uint64_t)dg_load_le32(from + 4) << 32u);
 }
 
-/* To the nearest 0.001 rpm, at most what a shaft can do. */
-static int32_t mrpm_of(int64_t speed)
+/* To the nearest 0.001 rpm, at most what a shaft can do; in 10^-12 rpm. */
+static int64_t prpm_of(int64_t speed)
 {
     const int64_t limit = (int64_t)DG_MOTION_SPEED_MAX_MRPM * (TURN / MRPM_PER_RPS);
     const int64_t most = speed > limit ? limit : speed < -limit ? -limit : speed;
     const int64_t half = most < 0 ? -TURN / 2 : TURN / 2;
-    return (int32_t)((most * MRPM_PER_RPS + half) / TURN);
+    return (most * MRPM_PER_RPS + half) / TURN * PRPM_PER_MRPM;
 }
 
 static void receive(void *ctx, dg_ns now, const struct lx_silkit_message *message, bool last)
@@ -55,13 +56,10 @@ static void receive(void *ctx, dg_ns now, const struct lx_silkit_message *messag
     const uint8_t *bytes = lx_silkit_bytes(message);
     struct dg_rig *control = self->rig->control;
     struct dg_rig_shaft *shaft = self->shaft->control;
-    const struct dg_motion motion = {.kind = DG_MOTION_SPEED,
-                                     .from = load_number(bytes),
-                                     .mrpm = mrpm_of(load_number(bytes + 8))};
     (void)last;
     lx_rig_read_none(self->shaft);
     lx_rig_ops.turns(control, shaft, now);
-    (void)dg_shaft_play(&shaft->shaft, now, &motion);
+    (void)dg_shaft_turn(&shaft->shaft, now, load_number(bytes), prpm_of(load_number(bytes + 8)));
     lx_rig_ops.turned(control, shaft, now);
 }
 
