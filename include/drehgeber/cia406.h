@@ -71,13 +71,9 @@ struct dg_cia406_leds {
     bool err;
 };
 
-/** Whether supervision is left out, as it cannot find anything new (world.h, `stands`). */
-enum dg_cia406_rest {
-    DG_CIA406_AWAKE,  /**< nobody knows whether the shaft stands, it turns, or something happened */
-    DG_CIA406_CALM,   /**< it has stood, and nothing has happened since the latest supervision */
-    DG_CIA406_ASLEEP, /**< nor since the one before: there is none until it is called */
-    DG_CIA406_REST_COUNT
-};
+/** dg_cia406.calm_looks: supervision is left out until the encoder is called, as it cannot find
+ * anything new (world.h, `calm`). */
+#define DG_CIA406_ASLEEP 0xFFu
 
 /** An encoder behind a node: dg_co_setup.application points to it. Caller-owned plain data. */
 struct dg_cia406 {
@@ -96,7 +92,8 @@ struct dg_cia406 {
     dg_ns locked_until;  /**< 300Ah refuses until then */
     uint8_t wrong_count; /**< wrong passwords in a row */
     bool serial_open;    /**< 300Bh may be written once */
-    uint8_t rest;        /**< enum dg_cia406_rest */
+    uint8_t calm_looks;  /**< supervisions in a row that found a calm shaft, or
+                            DG_CIA406_ASLEEP */
 };
 
 /**

@@ -14,6 +14,7 @@
 
 #include "drehgeber/api.h"
 #include "drehgeber/motion.h"
+#include "drehgeber/world.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -52,6 +53,7 @@ struct dg_shaft {
     struct dg_shaft_course course; /**< in force */
     struct dg_shaft_course before; /**< in force before course.at: encoders look back 1 ms; before
                                         before.at it counts as turning as it did there */
+    dg_ns jumped;                  /**< when it last was somewhere else at once */
     int64_t mrpm_per_s;            /**< of velocity, stop and move; 0: at once */
     const struct dg_shaft *driver; /**< NULL: turns by itself */
     int32_t numerator;             /**< geared: turns of this shaft ... */
@@ -105,10 +107,10 @@ DG_API int dg_shaft_play(struct dg_shaft *self, dg_ns now, const struct dg_motio
  * Geared: the driver's. */
 DG_API dg_ns dg_shaft_settled(const struct dg_shaft *self);
 
-/** Whether it has stood for DG_WORLD_SPEED_SPAN at `now`, and stands until there is a command;
- * false while a motion is played that is not a standstill. `ctx` is a struct dg_shaft; the
- * signature is dg_world.stands'. */
-DG_API bool dg_shaft_stands(void *ctx, dg_ns now);
+/** What it has done for DG_WORLD_SPEED_SPAN at `now`, and does until there is a command; of a
+ * played sine or replay, and of one that is geared up beyond DG_CALM_MRPM, that is not known. `ctx`
+ * is a struct dg_shaft; the signature is dg_world.calm's. */
+DG_API enum dg_calm dg_shaft_calm(void *ctx, dg_ns now);
 
 /** Where it is. `ctx` is a struct dg_shaft; the signature is dg_world.angle's. */
 DG_API dg_angle dg_shaft_angle(void *ctx, dg_ns now);

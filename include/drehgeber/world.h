@@ -21,6 +21,17 @@
 extern "C" {
 #endif
 
+/** What a shaft does from a moment on, until somebody turns it; who stands is slow, too. */
+enum dg_calm {
+    DG_CALM_UNKNOWN, /**< it may do anything */
+    DG_CALM_SLOW,    /**< it turns at DG_CALM_MRPM at most, either way, and does not jump */
+    DG_CALM_STANDS,  /**< it does not turn */
+    DG_CALM_COUNT
+};
+
+/** Below each speed at which a device of this library warns, in 0.001 rpm. */
+#define DG_CALM_MRPM 3900000
+
 /** Everything the encoders of this library sense. */
 struct dg_world {
     /**
@@ -29,13 +40,14 @@ struct dg_world {
      * latch moment is earlier than 1 ms). Must not block.
      */
     dg_angle (*angle)(void *ctx, dg_ns now);
-    void *angle_ctx; /**< handed to `angle` and `stands` */
+    void *angle_ctx; /**< handed to `angle` and `calm` */
     /**
-     * Whether the shaft has stood for DG_WORLD_SPEED_SPAN at `now`, and stands until somebody turns
-     * it. Whoever sets this has his encoders called behind whatever he changes in here and whatever
-     * turns the shaft: they do not look meanwhile at what cannot have changed. NULL: nobody knows.
+     * What the shaft has done for DG_WORLD_SPEED_SPAN at `now`, and does until somebody turns it.
+     * A host that sets this calls its encoders after each change in here, and when the shaft stops
+     * being as calm as it was. In between, encoders do not look for what cannot have changed. NULL:
+     * nobody knows.
      */
-    bool (*stands)(void *ctx, dg_ns now);
+    enum dg_calm (*calm)(void *ctx, dg_ns now);
     int32_t temperature_mdegc;       /**< in the housing, 0.001 degC; healthy: 37 000 */
     uint32_t led_current_ua;         /**< of the optical scanner; healthy: 12 000 */
     uint32_t supply_mv;              /**< healthy: 5 000 */
@@ -73,9 +85,8 @@ DG_API int32_t dg_world_speed_mrpm(const struct dg_world *self, dg_ns now);
  */
 DG_API int32_t dg_world_moving(const struct dg_world *self, dg_ns now, dg_angle *angle);
 
-/** Whether the shaft stands, and nothing in here changes, until the device is called; false: that
- * is not known. */
-DG_API bool dg_world_stands(const struct dg_world *self, dg_ns now);
+/** How calm the shaft stays, while nothing in here changes, until the device is called. */
+DG_API enum dg_calm dg_world_calm(const struct dg_world *self, dg_ns now);
 
 /** What a monitor of the scanner's signals takes for good ones. */
 struct dg_signal_limits {

@@ -40,7 +40,6 @@ static const struct dg_stack_range ranges[] = {
     DG_STACK_BOOL(dg_cia406_device, encoder.usf_lost),
     DG_STACK_BOOL(dg_cia406_device, encoder.zero_unsaved),
     DG_STACK_BOOL(dg_cia406_device, encoder.serial_open),
-    DG_STACK_RANGE(dg_cia406_device, encoder.rest, 0, DG_CIA406_REST_COUNT - 1u),
     DG_STACK_RANGE(dg_cia406_device, encoder.wrong_count, 0, PASSWORD_DELAYS_MAX),
 };
 _Static_assert(DG_CO_TPDOS == 4, "a row for each");

@@ -145,26 +145,41 @@ static void find_next_look(struct dg_co_node *node)
     }
 }
 
-/* Behind two looks at a shaft that stands, with nothing between them, the next ones would see the
- * same. Whatever happens wakes it: one that is called looks again. */
+/* Nothing is too fast, and stays so: a shaft that is calm is slower than the limit by more than what
+ * one EMCY ends at. With USF the zero has to follow what turns. */
+static bool is_calm(const struct dg_co_node *node)
+{
+    const enum dg_calm calm = dg_world_calm(node->setup.world, node->now);
+    const bool slow = calm == DG_CALM_SLOW && !parameter(node, DG_CIA406_USF);
+
+    return (calm == DG_CALM_STANDS || slow) && (node->active_causes >> CAUSE_SPEED & 1u) == 0;
+}
+
+/* When the shaft has been calm for as long as a speed is measured over (6031h:2), with nothing in
+ * between, the next looks would see the same. Whatever happens wakes it: one that is called looks
+ * again. */
 static dg_ns look_around(struct dg_co_node *node)
 {
     struct dg_cia406 *self = encoder_of(node);
-    const bool calm = self->rest == DG_CIA406_CALM;
+    const uint32_t ms = look_ms(node);
+    uint32_t calm = self->calm_looks;
 
-    if (self->rest == DG_CIA406_ASLEEP) {
+    if (calm == DG_CIA406_ASLEEP) {
         find_next_look(node);
+        calm = 0;
     }
-    self->rest = DG_CIA406_AWAKE;
+    self->calm_looks = 0;
     if (self->look_at <= node->now) {
-        self->look_at = dg_cia406_in_ms(node, look_ms(node));
+        self->look_at = dg_cia406_in_ms(node, ms);
         dg_cia406_watch_zero(node);
         dg_cia406_health_look(node);
-        if (dg_world_stands(node->setup.world, node->now)) {
-            self->rest = calm ? DG_CIA406_ASLEEP : DG_CIA406_CALM;
+        if (is_calm(node)) {
+            calm += calm + 1u < DG_CIA406_ASLEEP ? 1u : 0u;
+            self->calm_looks =
+                calm * ms < node->value[SLOT_SPEED_WINDOW_MS] ? (uint8_t)calm : DG_CIA406_ASLEEP;
         }
     }
-    return self->rest == DG_CIA406_ASLEEP ? dg_cia406_health_next(self) : self->look_at;
+    return self->calm_looks == DG_CIA406_ASLEEP ? dg_cia406_health_next(self) : self->look_at;
 }
 
 dg_ns dg_cia406_step_node(struct dg_co_node *node)

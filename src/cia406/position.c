@@ -316,7 +316,7 @@ enum dg_co_abort dg_cia406_hook_scaling(struct dg_co_node *node, const struct dg
         if (parameter(node, DG_CIA406_USF)) {
             uint64_t whole = wrap_value((uint32_t)(y / DG_CIA406_STEPS), tmr(node));
             (void)move_zero(node, whole * DG_CIA406_STEPS + y % DG_CIA406_STEPS);
-            encoder_of(node)->rest = DG_CIA406_AWAKE;
+            encoder_of(node)->calm_looks = 0;
             encoder_of(node)->look_at = node->now; /* from now on at the pace of USF */
         } else {
             forget_zero(node);

@@ -58,9 +58,9 @@ int32_t dg_world_speed_mrpm(const struct dg_world *self, dg_ns now)
     return dg_world_moving(self, now, &angle);
 }
 
-bool dg_world_stands(const struct dg_world *self, dg_ns now)
+enum dg_calm dg_world_calm(const struct dg_world *self, dg_ns now)
 {
-    return self->stands != NULL && self->stands(self->angle_ctx, now);
+    return self->calm != NULL ? self->calm(self->angle_ctx, now) : DG_CALM_UNKNOWN;
 }
 
 static bool amplitude_ok(uint16_t permille, const struct dg_signal_limits *limits)

@@ -57,7 +57,7 @@ void dg_host_sit(struct dg_host *self, void *shaft, dg_angle (*angle_of)(void *s
 {
     self->world.angle = angle_of;
     self->world.angle_ctx = shaft;
-    self->world.stands = NULL;
+    self->world.calm = NULL;
     dg_host_run(self, self->line.now);
 }
 

@@ -92,7 +92,7 @@ static void drop_pointers(struct dg_host *self)
     self->line.device = NULL;
     self->world.angle = NULL;
     self->world.angle_ctx = NULL;
-    self->world.stands = NULL;
+    self->world.calm = NULL;
 }
 
 static void take_pointers(struct dg_host *self, const struct dg_host *from)
@@ -103,7 +103,7 @@ static void take_pointers(struct dg_host *self, const struct dg_host *from)
     self->line.device = from->line.device;
     self->world.angle = from->world.angle;
     self->world.angle_ctx = from->world.angle_ctx;
-    self->world.stands = from->world.stands;
+    self->world.calm = from->world.calm;
 }
 
 /* Between these two the parts have no pointers and nothing else may be done with them. */

@@ -18,12 +18,13 @@
 #include "drehgeber/shaft.h"
 
 #include "drehgeber/hal.h"
-#include "drehgeber/world.h"
 #include "motion_private.h"
 
 #define PRPM_PER_MRPM 1000000000
 #define SPEED_MAX ((int64_t)DG_MOTION_SPEED_MAX_MRPM * PRPM_PER_MRPM)
 #define PARTS_PER_HALF 256u
+/** In 2^-32 turn: of no importance to a speed. */
+#define JUMP_MIN 1024u
 /** 1 turn in DG_WORLD_SPEED_SPAN, in 0.001 rpm. */
 #define MRPM_PER_TURN (DG_S(60) / DG_WORLD_SPEED_SPAN * 1000u)
 
@@ -213,6 +214,15 @@ static void append_phase(struct dg_shaft_course *self, const struct dg_shaft_pha
 static void append_rest(struct dg_shaft_course *self, dg_ns at, dg_angle angle)
 {
     append_phase(self, &(struct dg_shaft_phase){.at = at, .from = angle});
+}
+
+/** It is at `angle` at `now`, and was at `from` until then. Angles are told in whole units, so who
+ * tells where it is tells one that is a little off. */
+static void note_jump(struct dg_shaft *self, dg_ns now, dg_angle from, dg_angle angle)
+{
+    if ((uint64_t)angle - (uint64_t)from + JUMP_MIN > 2u * JUMP_MIN) {
+        self->jumped = now;
+    }
 }
 
 /** Begin a new course. @return where and how fast the shaft is at that moment */
@@ -488,11 +498,13 @@ int dg_shaft_set_acceleration(struct dg_shaft *self, int64_t mrpm_per_s)
 int dg_shaft_set_position(struct dg_shaft *self, dg_ns now, dg_angle angle)
 {
     if (self->driver != NULL) {
+        note_jump(self, now, angle_at(self, now), angle);
         self->offset = dg_motion_exact_moved(angle, true, (uint64_t)geared_angle(self, now));
         return DG_OK;
     }
     const struct dg_shaft_phase start = begin_motion(self, now);
 
+    note_jump(self, start.at, start.from, angle);
     append_rest(&self->course, start.at, angle);
     return DG_OK;
 }
@@ -521,6 +533,7 @@ int dg_shaft_turn(struct dg_shaft *self, dg_ns now, dg_angle angle, int64_t prpm
     }
     struct dg_shaft_phase phase = begin_motion(self, now);
 
+    note_jump(self, phase.at, phase.from, angle);
     phase.from = angle;
     phase.part = 0;
     phase.prpm = prpm;
@@ -555,10 +568,12 @@ int dg_shaft_play(struct dg_shaft *self, dg_ns now, const struct dg_motion *moti
     if (self->driver != NULL || dg_motion_set(&accepted, motion) != DG_OK) {
         return DG_ERR_ARGUMENT;
     }
-    (void)begin_motion(self, now);
+    const struct dg_shaft_phase start = begin_motion(self, now);
+
     self->course.plays = true;
     self->course.motion = accepted;
     self->course.motion.start = self->course.at;
+    note_jump(self, start.at, start.from, dg_motion_angle_at(&self->course.motion, start.at));
     return DG_OK;
 }
 
@@ -570,19 +585,80 @@ dg_ns dg_shaft_settled(const struct dg_shaft *self)
     return self->course.plays ? DG_NEVER : self->course.phase[self->course.count - 1u].at;
 }
 
-bool dg_shaft_stands(void *ctx, dg_ns now)
+/** In 0.001 rpm, rounded up. */
+static uint32_t mrpm_above(int64_t prpm)
 {
-    const struct dg_shaft *self = ctx;
+    const uint64_t magnitude = dg_motion_exact_magnitude(prpm);
 
-    while (self->driver != NULL) {
+    return (uint32_t)((magnitude + PRPM_PER_MRPM - 1u) / PRPM_PER_MRPM);
+}
+
+/** The highest speed from `from` on: that of a phase changes evenly. */
+static uint32_t fastest_phase(const struct dg_shaft_course *self, dg_ns from)
+{
+    const struct dg_shaft_phase *end = &self->phase[self->count];
+    uint32_t most = 0;
+
+    for (const struct dg_shaft_phase *at = phase_of(self, from); at < end; at++) {
+        const uint32_t mrpm = mrpm_above(at->prpm);
+        most = mrpm > most ? mrpm : most;
+    }
+    return most;
+}
+
+static uint32_t fastest_played(const struct dg_motion *self)
+{
+    if (self->kind == DG_MOTION_STANDSTILL) {
+        return 0;
+    }
+    return self->kind == DG_MOTION_SPEED || self->kind == DG_MOTION_RAMP
+               ? (uint32_t)dg_motion_exact_magnitude(self->mrpm)
+               : UINT32_MAX;
+}
+
+static uint32_t fastest_of(const struct dg_shaft_course *self, dg_ns from)
+{
+    return self->plays ? fastest_played(&self->motion) : fastest_phase(self, from);
+}
+
+/** The highest speed from `from` on, in 0.001 rpm, rounded up. */
+static uint32_t fastest(const struct dg_shaft *self, dg_ns from)
+{
+    if (self->driver != NULL) {
+        const uint64_t mrpm =
+            fastest(self->driver, from) * dg_motion_exact_magnitude(self->numerator);
+        const uint64_t denominator = (uint64_t)self->denominator;
+        const uint64_t geared = (mrpm + denominator - 1u) / denominator;
+        return geared < UINT32_MAX ? (uint32_t)geared : UINT32_MAX;
+    }
+    const uint32_t most = fastest_of(&self->course, from);
+    const uint32_t before = from < self->course.at ? fastest_of(&self->before, from) : 0;
+
+    return before > most ? before : most;
+}
+
+/** Neither it nor a shaft that drives it has jumped since `then`. */
+static bool is_smooth_since(const struct dg_shaft *self, dg_ns then)
+{
+    while (self != NULL && self->jumped <= then) {
         self = self->driver;
     }
-    const struct dg_shaft_course *course = &self->course;
-    const struct dg_shaft_phase *last = &course->phase[course->count - 1u];
-    const bool rests =
-        course->plays ? course->motion.kind == DG_MOTION_STANDSTILL : last->prpm == 0;
-    const dg_ns since = course->plays ? course->at : last->at;
-    return rests && dg_after(since, DG_WORLD_SPEED_SPAN) <= now;
+    return self == NULL;
+}
+
+enum dg_calm dg_shaft_calm(void *ctx, dg_ns now)
+{
+    const struct dg_shaft *self = ctx;
+    const dg_ns then = dg_elapsed(now, DG_WORLD_SPEED_SPAN);
+
+    if (now < DG_WORLD_SPEED_SPAN || !is_smooth_since(self, then)) {
+        return DG_CALM_UNKNOWN;
+    }
+    const uint32_t mrpm = fastest(self, then);
+    if (mrpm == 0) {
+        return DG_CALM_STANDS;
+    }
+    return mrpm <= DG_CALM_MRPM ? DG_CALM_SLOW : DG_CALM_UNKNOWN;
 }
 
 dg_angle dg_shaft_angle(void *ctx, dg_ns now)

@@ -128,7 +128,7 @@ static void place_handle(struct dg_engine *self, size_t index, uint8_t *memory)
     encoder->host = dg_host_init_on_bus(memory, dg_engine_handle_size(&self->setup, row->model),
                                         row->model, dg_bus_side_of(row->model));
     dg_host_shaft_of(encoder->host, &shaft->shaft);
-    dg_host_world(encoder->host)->stands = dg_shaft_stands;
+    dg_host_world(encoder->host)->calm = dg_shaft_calm;
     encoder->control = (struct dg_encoder){
         .name = row->name,
         .model = row->model,

@@ -45,6 +45,7 @@ struct header {
 struct shaft_state {
     struct dg_shaft_course course;
     struct dg_shaft_course before;
+    dg_ns jumped;
     int64_t mrpm_per_s;
     dg_angle offset;
     char profile[ENGINE_PROFILE_MAX];
@@ -175,6 +176,7 @@ static void put_shaft(struct engine_tape *tape, struct engine_shaft *shaft,
     }
     to->course = state->course;
     to->before = state->before;
+    to->jumped = state->jumped;
     to->mrpm_per_s = state->mrpm_per_s;
     to->offset = state->offset;
     give_points(shaft, &to->course);
@@ -187,6 +189,7 @@ static void pass_shaft(struct engine_tape *tape, struct engine_shaft *shaft)
     const struct dg_shaft *from = &shaft->control.shaft;
     struct shaft_state state = {.course = from->course,
                                 .before = from->before,
+                                .jumped = from->jumped,
                                 .mrpm_per_s = from->mrpm_per_s,
                                 .offset = from->offset};
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Supervision of an F36x8 that is left out while nothing can have changed. Two nodes live through
- * the same, one of which knows of its shaft whether it stands: they say the same at the same
+ * the same, one of which knows of its shaft how calm it is: they say the same at the same
  * moments, and the one that knows asks to be called far less.
  */
 #include <setjmp.h>
@@ -64,7 +64,7 @@ static void start_twin(struct twin *self, bool knows)
     struct dg_world *world = dg_host_world(self->host);
     world->angle = dg_shaft_angle;
     world->angle_ctx = &shaft;
-    world->stands = knows ? dg_shaft_stands : NULL;
+    world->calm = knows ? dg_shaft_calm : NULL;
     dg_host_join_bus(self->host, hear, self);
     assert_int_equal(dg_host_power(self->host, now, true), DG_HOST_OK);
     (void)dg_host_step(self->host, now);
@@ -83,15 +83,15 @@ static int set_up(void **state)
     return 0;
 }
 
+/* When it asks for it, and no more. */
 static void run_twin(struct twin *self)
 {
     dg_ns next = dg_host_next(self->host);
 
-    while (next < now) {
+    while (next <= now) {
         self->called++;
         next = dg_host_step(self->host, next);
     }
-    (void)dg_host_step(self->host, now);
 }
 
 static void compare(void)
@@ -105,13 +105,42 @@ static void compare(void)
     looks.count = 0;
 }
 
-/* What is done to the world at `now` is told, as who sets dg_world.stands promises. */
 static void run_both(dg_ns until)
 {
     now = until;
     run_twin(&rests);
     run_twin(&looks);
     compare();
+}
+
+/* As a host does that sets dg_world.calm, behind what it has changed. */
+static void wake_both(void)
+{
+    (void)dg_host_step(rests.host, now);
+    (void)dg_host_step(looks.host, now);
+    compare();
+}
+
+static enum dg_calm calm_before;
+
+static void begin_command(void)
+{
+    calm_before = dg_shaft_calm(&shaft, now);
+}
+
+/* Who only knows that the shaft is slow does not hear of another speed. */
+static void end_command(void)
+{
+    if (dg_shaft_calm(&shaft, now) < calm_before) {
+        wake_both();
+    }
+}
+
+static void turn_at(int32_t mrpm)
+{
+    begin_command();
+    assert_int_equal(dg_shaft_set_velocity(&shaft, now, mrpm), DG_OK);
+    end_command();
 }
 
 static void send(uint32_t id, const uint8_t *data, uint8_t length)
@@ -158,18 +187,42 @@ static void bend_worlds(void)
 
 static void turn_shaft(void)
 {
-    switch (random_below(4)) {
+    static const int32_t mrpm[] = {60000, -3900000, 3900001, 13000000, -25000000};
+
+    begin_command();
+    switch (random_below(6)) {
     case 0:
-        (void)dg_shaft_set_velocity(&shaft, now, 13000000);
-        break;
     case 1:
+    case 2:
+        (void)dg_shaft_set_velocity(&shaft, now, mrpm[random_below(DG_COUNT(mrpm))]);
+        break;
+    case 3:
         (void)dg_shaft_set_acceleration(&shaft, random_below(2) != 0 ? 60000000 : 0);
         break;
-    case 2:
+    case 4:
         (void)dg_shaft_set_position(&shaft, now, (dg_angle)random_below(1000) * DG_TURN / 7);
         break;
     default:
         (void)dg_shaft_set_velocity(&shaft, now, 0);
+        break;
+    }
+    end_command();
+}
+
+/* What speed and zero are looked after by. */
+static void set_up_position(void)
+{
+    static const uint8_t windows_ms[] = {1, 10, 100, 200};
+
+    switch (random_below(3)) {
+    case 0:
+        download(0x6031, 2, 2, windows_ms[random_below(DG_COUNT(windows_ms))]);
+        break;
+    case 1:
+        download(0x6002, 0, 4, 1000000);
+        break;
+    default:
+        download(0x6000, 0, 2, random_below(2) * (DG_CIA406_USF | DG_CIA406_SCALING));
         break;
     }
 }
@@ -194,6 +247,9 @@ static void talk(void)
         break;
     case 4:
         download(0x2120, 2, 1, random_below(2) != 0 ? 0x20 : 0x70); /* limits of the temperature */
+        break;
+    case 5:
+        set_up_position();
         break;
     default:
         download(0x6200, 0, 2, random_below(2) * 70u);
@@ -224,6 +280,7 @@ static void both_say_the_same(void **state)
         const uint32_t what = random_below(3);
         if (what == 0) {
             bend_worlds();
+            wake_both();
         } else if (what == 1) {
             turn_shaft();
         } else {
@@ -243,21 +300,66 @@ static void nobody_is_called_while_nothing_happens(void **state)
     assert_true(rests.called < 3 * 100 + 5);
 }
 
-/* Who had to look while the shaft turned sees that it stands, and rests again. */
+/* Who had to look while the shaft turned fast sees that it stands, and rests again. */
 static void it_rests_again(void **state)
 {
     (void)state;
     run_both(DG_S(10));
-    (void)dg_shaft_set_velocity(&shaft, now, 60000);
-    run_both(now);
+    turn_at(4000000);
     const unsigned before = rests.called;
     run_both(DG_S(20));
     assert_true(rests.called - before > 90);
-    (void)dg_shaft_set_velocity(&shaft, now, 0);
-    run_both(now);
+    turn_at(0);
     const unsigned turned = rests.called;
     run_both(DG_S(300));
     assert_true(rests.called - turned < 5);
+}
+
+/* Ten other speeds a second, none of which a limit is near to: it hears of the first one. */
+static void it_rests_while_the_shaft_turns_slowly(void **state)
+{
+    (void)state;
+    run_both(DG_S(10));
+    const unsigned before = rests.called;
+    for (unsigned i = 0; i < 600u; i++) {
+        turn_at(i % 2u == 0 ? 3900000 : -60000);
+        run_both(now + DG_MS(100));
+    }
+    assert_true(rests.called - before < 5);
+    begin_command();
+    (void)dg_shaft_set_position(&shaft, now, 40 * DG_TURN); /* in a millisecond: 24 000 rpm */
+    end_command();
+    const unsigned jumped = rests.called;
+    run_both(now + DG_MS(100));
+    assert_true(rests.called > jumped);
+}
+
+/* Over 200 ms it was too fast when it was looked at last, and was not any more afterwards. */
+static void it_rests_when_the_speed_is_forgotten(void **state)
+{
+    (void)state;
+    download(0x6031, 2, 2, 200);
+    run_both(DG_S(10) + DG_MS(50));
+    turn_at(25000000);
+    run_both(DG_S(15) - DG_MS(1));
+    turn_at(0);
+    run_both(DG_S(20)); /* the EMCY that ends it */
+}
+
+/* Forth and back is slow enough over 200 ms, back alone is not, and at both looks the shaft stands. */
+static void it_rests_when_the_window_has_passed(void **state)
+{
+    (void)state;
+    download(0x6031, 2, 2, 200);
+    run_both(DG_S(10));
+    (void)dg_shaft_set_acceleration(&shaft, DG_SHAFT_ACCELERATION_MAX);
+    turn_at(-11000000);
+    run_both(DG_S(15) - DG_MS(112));
+    begin_command();
+    const dg_angle target = dg_shaft_angle(&shaft, now) + 45 * DG_TURN;
+    assert_int_equal(dg_shaft_move(&shaft, now, target, 25000000), DG_OK); /* 108 ms */
+    end_command();
+    run_both(DG_S(20));
 }
 
 int main(void)
@@ -266,6 +368,9 @@ int main(void)
         cmocka_unit_test_setup(both_say_the_same, set_up),
         cmocka_unit_test_setup(nobody_is_called_while_nothing_happens, set_up),
         cmocka_unit_test_setup(it_rests_again, set_up),
+        cmocka_unit_test_setup(it_rests_while_the_shaft_turns_slowly, set_up),
+        cmocka_unit_test_setup(it_rests_when_the_speed_is_forgotten, set_up),
+        cmocka_unit_test_setup(it_rests_when_the_window_has_passed, set_up),
     };
     return cmocka_run_group_tests_name("supervision that is left out", tests, NULL, NULL);
 }

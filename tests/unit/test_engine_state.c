@@ -490,10 +490,14 @@ static void phases_that_cannot_be_are_refused(void **state)
     }
 }
 
-/* Behind both courses of a shaft are its acceleration, its offset and the words of its motion. */
+/* Behind both courses of a shaft are when it jumped, its acceleration, its offset and the words of its
+   motion. */
+#define SHAFT_SIZE (2u * sizeof(struct dg_shaft_course) + sizeof(dg_ns) + 16u + 64u)
+
 static void the_rest_of_a_shaft_is_looked_at(void **state)
 {
-    uint8_t *rest = state_bytes + HEADER_SIZE + sizeof(dg_ns) + 2u * sizeof(struct dg_shaft_course);
+    uint8_t *rest =
+        state_bytes + HEADER_SIZE + 2u * sizeof(dg_ns) + 2u * sizeof(struct dg_shaft_course);
     const int64_t most = INT64_MAX;
     int64_t accel;
 
@@ -516,8 +520,7 @@ static void the_rest_of_a_shaft_is_looked_at(void **state)
 /* Behind two shafts is the course of the plan: its start, when it is due, whether it is followed. */
 static void a_course_that_cannot_be_is_refused(void **state)
 {
-    const size_t shaft_size = 2u * sizeof(struct dg_shaft_course) + 16u + 64u;
-    uint8_t *at = state_bytes + HEADER_SIZE + sizeof(dg_ns) + 2u * shaft_size;
+    uint8_t *at = state_bytes + HEADER_SIZE + sizeof(dg_ns) + 2u * SHAFT_SIZE;
     uint64_t words[3];
 
     (void)state;
@@ -544,11 +547,10 @@ static void a_course_that_cannot_be_is_refused(void **state)
    course */
 static size_t save_with_fault(uint8_t **at)
 {
-    const size_t shaft_size = 2u * sizeof(struct dg_shaft_course) + 16u + 64u;
 
     begin(&scenes[0], &worlds[0]);
     set_fault(&worlds[0], "temperature_high");
-    *at = state_bytes + HEADER_SIZE + sizeof(dg_ns) + 2u * shaft_size + 24u;
+    *at = state_bytes + HEADER_SIZE + sizeof(dg_ns) + 2u * SHAFT_SIZE + 24u;
     return save(&worlds[0]);
 }
 

@@ -83,7 +83,7 @@ static void open_side(struct side *self, dg_ns every)
         struct dg_world *world = dg_host_world(ring_rig_add(&self->rig, models[i]));
         world->angle = angle;
         world->angle_ctx = &self->shaft;
-        world->stands = NULL;
+        world->calm = NULL;
     }
     ring_rig_open(&self->rig);
     const struct dg_ring_master_setup setup = {sizeof setup, self->rig.bus, self->rig.out, every};

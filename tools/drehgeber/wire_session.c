@@ -66,7 +66,7 @@ static void place_shaft(struct wire_session *self, dg_ns start)
     self->shaft.motion.start = start;
     world->angle = dg_motion_angle;
     world->angle_ctx = &self->shaft.motion;
-    world->stands = NULL;
+    world->calm = NULL;
 }
 
 /* The initialisation, in which nothing happens on the wire, is not in it. */

@@ -212,6 +212,17 @@ static int open_wire(struct lx_can_bus *self, struct lx_error *error)
     return self->can == NULL ? -1 : 0;
 }
 
+/* Encoders of a bus most often have one shaft. */
+static size_t count_same(const struct lx_bus_setup *setup)
+{
+    size_t same = 1;
+    while (same < setup->count &&
+           setup->stations[same]->control->shaft == setup->stations[0]->control->shaft) {
+        same++;
+    }
+    return same;
+}
+
 static int open_bus(struct lx_bus *bus, dg_ns now, struct lx_error *error)
 {
     struct lx_can_bus *self = can_bus_of(bus);
@@ -219,6 +230,7 @@ static int open_bus(struct lx_bus *bus, dg_ns now, struct lx_error *error)
         return -1;
     }
     (void)update_line(self);
+    self->same = count_same(&bus->setup);
     for (size_t i = 0; i < bus->setup.count; i++) {
         if (lx_can_node_open(&self->node[i], on_settled, now, error) != 0) {
             return -1;
@@ -247,22 +259,32 @@ static void look(struct lx_bus *bus, dg_ns now)
     dg_bus_look(self->bus.core, now);
 }
 
+/* How calm the shafts of its encoders are, all together. A command makes one shaft and those that it
+ * drives more calm, or less: then the sum is less. */
+static unsigned count_calm(const struct lx_can_bus *self, dg_ns now)
+{
+    const struct lx_bus_setup *setup = &self->bus.setup;
+    unsigned sum = 0;
+    for (size_t i = 0; i < setup->count; i = i == 0 ? self->same : i + 1u) {
+        sum += (unsigned)dg_world_calm(setup->stations[i]->control->world, now);
+    }
+    return sum;
+}
+
 static void turn_shaft(struct lx_bus *bus, dg_ns now)
 {
     struct lx_can_bus *self = can_bus_of(bus);
     look(bus, now);
-    for (size_t i = 0; i < bus->setup.count && !self->stood; i++) {
-        self->stood = dg_world_stands(bus->setup.stations[i]->control->world, now);
-    }
+    const unsigned calm = count_calm(self, now);
+    self->calm = calm > self->calm ? calm : self->calm;
 }
 
-/* Encoders whose shaft stood have not looked since; it may turn now. */
+/* Encoders that sleep have not looked since. */
 static void wake_encoders(struct lx_can_bus *self, dg_ns now)
 {
     for (size_t i = 0; i < self->bus.setup.count; i++) {
         self->due = dg_bus_changed(self->bus.core, i, now);
     }
-    self->stood = false;
 }
 
 static void changed(struct lx_bus *bus, struct lx_station *station, dg_ns now)
@@ -271,9 +293,10 @@ static void changed(struct lx_bus *bus, struct lx_station *station, dg_ns now)
     if (station != NULL) {
         (void)update_line(self);
         self->due = dg_bus_changed(self->bus.core, station->place, now);
-    } else if (self->stood) {
+    } else if (self->calm > count_calm(self, now)) {
         wake_encoders(self, now);
     }
+    self->calm = station != NULL ? self->calm : 0;
     settle(self, now);
 }
 

@@ -37,7 +37,8 @@ struct lx_can_bus {
     bool tapped;     /**< ... and that somebody wants to see all there is */
     dg_ns tapped_at; /**< of the frame that the tap was told last */
     dg_ns due;       /**< as the bus has said last */
-    bool stood;      /**< a shaft of an encoder, until now: it may be asleep (world.h) */
+    size_t same;     /**< stations, from the first one on, that have one shaft */
+    unsigned calm;   /**< count_calm() until now: encoders may sleep (world.h) */
     dg_ns promised;  /**< when the encoders want to be called next; while they wait for the wire
                         nobody is: DG_NEVER */
     struct lx_can_node node[]; /**< as many as stations */

@@ -64,7 +64,7 @@ int modbus_rig_open(struct modbus_rig *self, dg_angle (*angle)(void *ctx, dg_ns 
         struct dg_world *world = self->engine.stations[i].control->world;
         world->angle = angle;
         world->angle_ctx = ctx;
-        world->stands = NULL;
+        world->calm = NULL;
     }
     const struct lx_bus *bus = self->engine.wires[0].bus;
     const struct lx_ring_setup ring = {

@@ -21,7 +21,7 @@ void station_turn(struct lx_station *station, dg_angle *angle)
     struct dg_world *world = station->control->world;
     world->angle = turned;
     world->angle_ctx = angle;
-    world->stands = NULL;
+    world->calm = NULL;
 }
 
 struct lx_engine_setup station_setup(const struct dg_plan *plan, sd_event *event,
