@@ -47,6 +47,19 @@ static void what_is_left_out_is_noted(void **state)
     assert_int_equal(rig.notes, 0);
 }
 
+/* Where it stands: empty lines and comments count, too. */
+static void a_note_says_where_it_stands(void **state)
+{
+    (void)state;
+    read_text("; a comment\n\n[1000]\nDataType=7\nDefaultValue=0x10196\nAccessType=ro\n"
+              "[2001]\n\nObjectType=0x33\n"
+              "[6501]\nDataType=7\nAccessType=ro\nDefaultValue=8\n");
+    assert_int_equal(rig.notes, 1);
+    assert_int_equal(rig.kept[0].line, 7);
+    assert_string_equal(rig.kept[0].section, "2001");
+    assert_string_equal(rig.kept[0].key, "ObjectType");
+}
+
 /* The model itself lies in the memory, before anything of the file. */
 static void a_model_needs_room_for_itself(void **state)
 {
@@ -176,6 +189,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(what_is_left_out_is_noted),
+        cmocka_unit_test(a_note_says_where_it_stands),
         cmocka_unit_test(a_model_needs_room_for_itself),
         cmocka_unit_test(an_object_without_access_is_read_only),
         cmocka_unit_test(a_position_is_read_only),

@@ -276,10 +276,12 @@ static void what_a_k3_keeps(void **state)
     (void)deliver("drum", &bench.from);
     put("drum", &bench.from, DG_IB_REGION_DIRECTION, 4);
     put("drum", &bench.from, DG_IB_REGION_CAMS, 0x01);
+    put("drum", &bench.from, DG_IB_REGION_TIME, 9);
     assert_int_equal(convert("drum8"), DG_OK);
     assert_string_equal(bench.told, "steps and revolutions;preset and shift;cam programs;");
     assert_int_equal(get("drum8", &bench.to, DG_IB_REGION_DIRECTION), 4);
     assert_int_equal(get("drum8", &bench.to, DG_IB_REGION_CAMS), 0);
+    assert_int_equal(get("drum8", &bench.to, DG_IB_REGION_TIME), 9);
 }
 
 static void damage_is_not_copied(void **state)

@@ -587,6 +587,9 @@ static void clients_work_on_it(void **state)
     assert_string_equal(ask(DG_S(2), "INST:SEL a;:SHAF:PROF \"90DEG\";PROF?"), "\"90DEG\"\n");
     assert_int_equal(dg_host_angle(dg_engine_encoder(bench.engine, 0), DG_S(3)), DG_TURN / 4);
     assert_int_equal(dg_host_angle(dg_engine_encoder(bench.engine, 1), DG_S(3)), DG_TURN / 16);
+    assert_string_equal(ask(DG_S(2), "SHAF:PROF \"0\";PROF?"), "\"0\"\n");
+    assert_string_equal(ask(DG_S(2), "SHAF:PROF \"45.123456789DEG\""), "");
+    assert_int_equal(dg_host_angle(dg_engine_encoder(bench.engine, 0), DG_S(3)), 538343809);
     assert_refused(DG_S(2), "SHAF:PROF \"x.csv\"", "-256");
     assert_refused(DG_S(2), "SHAF:PROF \"5KM\"", "-224");
     assert_refused(DG_S(2), "INST:SEL n-1;:SHAF:PROF \"0\"", "-221");
