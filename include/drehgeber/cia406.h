@@ -71,9 +71,9 @@ struct dg_cia406_leds {
     bool err;
 };
 
-/** dg_cia406.calm_looks: supervision is left out until the encoder is called, as it cannot find
+/** dg_cia406.calm_ms: supervision is left out until the encoder is called, as it cannot find
  * anything new (world.h, `calm`). */
-#define DG_CIA406_ASLEEP 0xFFu
+#define DG_CIA406_ASLEEP 0xFFFFu
 
 /** An encoder behind a node: dg_co_setup.application points to it. Caller-owned plain data. */
 struct dg_cia406 {
@@ -92,8 +92,7 @@ struct dg_cia406 {
     dg_ns locked_until;  /**< 300Ah refuses until then */
     uint8_t wrong_count; /**< wrong passwords in a row */
     bool serial_open;    /**< 300Bh may be written once */
-    uint8_t calm_looks;  /**< supervisions in a row that found a calm shaft, or
-                            DG_CIA406_ASLEEP */
+    uint16_t calm_ms;    /**< so long supervision has found a calm shaft, or DG_CIA406_ASLEEP */
 };
 
 /**

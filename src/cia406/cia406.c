@@ -25,7 +25,7 @@ static enum dg_co_abort hook_cyclic_timer(struct dg_co_node *node,
     (void)object;
     if (op == DG_CO_READ) {
         *value = node->value[dg_co_slot_event_timer];
-    } else if (op == DG_CO_WRITE) {
+    } else {
         node->value[dg_co_slot_event_timer] = *value;
         dg_co_pdo_rearm(node, 0);
     }
@@ -162,24 +162,24 @@ static dg_ns look_around(struct dg_co_node *node)
 {
     struct dg_cia406 *self = encoder_of(node);
     const uint32_t ms = look_ms(node);
-    uint32_t calm = self->calm_looks;
+    uint32_t calm_ms = self->calm_ms;
 
-    if (calm == DG_CIA406_ASLEEP) {
+    if (calm_ms == DG_CIA406_ASLEEP) {
         find_next_look(node);
-        calm = 0;
+        calm_ms = 0;
     }
-    self->calm_looks = 0;
+    self->calm_ms = 0;
     if (self->look_at <= node->now) {
         self->look_at = dg_cia406_in_ms(node, ms);
         dg_cia406_watch_zero(node);
         dg_cia406_health_look(node);
         if (is_calm(node)) {
-            calm += calm + 1u < DG_CIA406_ASLEEP ? 1u : 0u;
-            self->calm_looks =
-                calm * ms < node->value[SLOT_SPEED_WINDOW_MS] ? (uint8_t)calm : DG_CIA406_ASLEEP;
+            calm_ms += ms;
+            self->calm_ms =
+                calm_ms < node->value[SLOT_SPEED_WINDOW_MS] ? (uint16_t)calm_ms : DG_CIA406_ASLEEP;
         }
     }
-    return self->calm_looks == DG_CIA406_ASLEEP ? dg_cia406_health_next(self) : self->look_at;
+    return self->calm_ms == DG_CIA406_ASLEEP ? dg_cia406_health_next(self) : self->look_at;
 }
 
 dg_ns dg_cia406_step_node(struct dg_co_node *node)

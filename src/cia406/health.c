@@ -196,7 +196,7 @@ void dg_cia406_health_start(struct dg_co_node *node)
     }
     self->time_from = node->now;
     self->look_at = node->now;
-    self->calm_looks = 0;
+    self->calm_ms = 0;
 }
 
 dg_ns dg_cia406_health_next(const struct dg_cia406 *self)

@@ -316,7 +316,7 @@ enum dg_co_abort dg_cia406_hook_scaling(struct dg_co_node *node, const struct dg
         if (parameter(node, DG_CIA406_USF)) {
             uint64_t whole = wrap_value((uint32_t)(y / DG_CIA406_STEPS), tmr(node));
             (void)move_zero(node, whole * DG_CIA406_STEPS + y % DG_CIA406_STEPS);
-            encoder_of(node)->calm_looks = 0;
+            encoder_of(node)->calm_ms = 0;
             encoder_of(node)->look_at = node->now; /* from now on at the pace of USF */
         } else {
             forget_zero(node);
@@ -362,10 +362,8 @@ enum dg_co_abort dg_cia406_hook_offset(struct dg_co_node *node, const struct dg_
     uint32_t preset = node->value[SLOT_PRESET];
 
     (void)object;
-    if (op == DG_CO_READ) {
-        *value =
-            preset - subtract_modulo(wrap_value(preset, range), wrap_value(*value, range), range);
-    }
+    (void)op; /* it is read only */
+    *value = preset - subtract_modulo(wrap_value(preset, range), wrap_value(*value, range), range);
     return DG_CO_OK;
 }
 

@@ -148,6 +148,8 @@ static void looking_back(void **state)
 static void standing_still(void **state)
 {
     static const struct dg_motion rest = {.kind = DG_MOTION_STANDSTILL};
+    static const struct dg_motion ramp = {
+        .kind = DG_MOTION_RAMP, .mrpm = 1000, .accel = DG_S(1), .hold = DG_S(1)};
     static const struct dg_motion sine = {
         .kind = DG_MOTION_SINE, .amplitude = 1, .period = DG_S(100)};
     struct dg_shaft shaft = fresh(REV_PER_S2);
@@ -171,6 +173,8 @@ static void standing_still(void **state)
     assert_int_equal(dg_shaft_calm(&shaft, DG_S(20) + DG_WORLD_SPEED_SPAN), DG_CALM_STANDS);
     (void)dg_shaft_play(&shaft, DG_S(30), &sine);
     assert_int_equal(dg_shaft_calm(&shaft, DG_S(40)), DG_CALM_UNKNOWN);
+    (void)dg_shaft_play(&shaft, DG_S(50), &ramp);
+    assert_int_equal(dg_shaft_calm(&shaft, DG_S(60)), DG_CALM_SLOW);
 }
 
 static enum dg_calm calm_at(int32_t mrpm, int32_t numerator, int32_t denominator)
