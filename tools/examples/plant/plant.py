@@ -4,71 +4,31 @@
 which turns a shaft for each bus, says SYNC on it, and checks each position that it is told against that shaft. The
 frames of a bus travel packed, those of a step in one message.
 
-Prints what it took. The status is 1 when a position was wrong or missing. Needs the command drehgeber and
-SIL Kit's libSilKit.so, which README.md says how to get.
+Prints what it took. The status is 1 when a position was wrong or missing. Needs the command drehgeber, a C compiler for
+the master, and SIL Kit's libSilKit.so, which README.md says how to get.
 """
 
 import argparse
 import contextlib
 import ctypes
 import os
-import random
 import re
+import select
 import signal
 import socket
-import struct
 import subprocess
 import sys
 import tempfile
-import threading
 import time
-from ctypes import c_char_p, c_uint8, c_uint64, c_void_p
+from collections.abc import Iterator
+from ctypes import c_char_p, c_int, c_void_p
 from pathlib import Path
 
-from kit import (
-    ADDRESS_AND_SIZE, COORDINATED, EVENT_BYTES, EVENT_FRAME, FRAME_ID, ID_AND_DATA, MASTER, ON_ABORT, ON_DATA, ON_FRAME,
-    ON_LIFE, ON_STEP, PACK_FRAME, PACK_HEAD, PACKED, RECEIVED, SHAFT, Bytes, Frame, Header, Kit, Lifecycle, Spec, Strings,
-    Workflow, version,
-)  # fmt: skip
-
-TREE = Path(__file__).resolve().parents[3]
-MS = 1_000_000
+HERE = Path(__file__).resolve().parent
+TREE = HERE.parents[2]
 PATIENCE_S = 120
-PROGRESS_S = 2
 PROCESSES_MAX, THREADS_MAX = 256, 64
-
-# What is on a bus: F3668 as delivered, 2^16 steps a turn, 2^28 in all; TPDO2 tells the position at SYNC.
-START, SYNC, TPDO2 = 0x000, 0x080, 0x280
-TURN, STEP_BITS, STEPS = 1 << 32, 16, 1 << 28
-MRPM_MAX = 3_000_000
-# Nodes have booted by then; a bus that was started hears its first SYNC so much later, or a period of SYNC.
-BOOTED_MS, STARTED_MS = 500, 100
-# What was said in a step is heard in the next one, and answered, and the answer is heard in the one behind it.
-ANSWER_STEPS = 3
-
-# ---------------------------------------------------------------- the plant
-
-
-class Shaft:
-    """Turns with one speed until it is given another one; angles in 2^-32 turns."""
-
-    def __init__(self, number: int):
-        self.chance = random.Random(number)
-        self.angle = self.mrpm = self.since = 0
-
-    def angle_at(self, at_ns: int) -> int:
-        """At a moment of the simulation."""
-        return self.angle + self.mrpm * (at_ns - self.since) * TURN // (60_000 * 1000 * MS)
-
-    def position(self, at_ns: int) -> bytes:
-        """Of an encoder on it, as TPDO2 has it."""
-        return ((self.angle_at(at_ns) >> STEP_BITS) % STEPS).to_bytes(4, "little")
-
-    def turn(self, at_ns: int) -> bytes:
-        """Go on with another speed. @return what its topic is told: where it is, and how fast it goes on"""
-        self.angle, self.since = self.angle_at(at_ns), at_ns
-        self.mrpm = self.chance.randint(-MRPM_MAX, MRPM_MAX)
-        return struct.pack("<qq", self.angle, self.mrpm * TURN // 60_000)
+REFUSED = 2  # the master has printed why
 
 
 def rig_file(rig: int, plant: argparse.Namespace, uri: str) -> str:
@@ -86,217 +46,30 @@ def rig_file(rig: int, plant: argparse.Namespace, uri: str) -> str:
     return "".join(text)
 
 
-# ---------------------------------------------------------------- the master
+# ---------------------------------------------------------------- processes
 
 
-class Bus:
-    """What the master knows of a bus."""
+class Registry:
+    """It introduces the participants to each other, in this process."""
 
-    def __init__(self, number: int, turn: int):
-        self.number = number
-        self.turn = turn  # the step of a period in which it is started, and then hears SYNC
-        self.shaft = Shaft(number)
-        self.expected = b""  # what every node is to tell
-        self.said = 0  # when they were asked to
-        self.answers = b""  # all of them in a packed message, in the order of their identifiers
-        self.missing: set[int] = set()  # identifiers that have not told it yet
-
-
-class Master:
-    """A participant with a controller on each bus, or with the two topics of a packed one."""
-
-    def __init__(self, kit: Kit, plant: argparse.Namespace, uri: str):
-        self.kit, self.plant = kit, plant
-        self.period = plant.sync_ms * 1000 // plant.step_us
-        self.booted = BOOTED_MS * 1000 // plant.step_us
-        self.started = self.booted + max(self.period, STARTED_MS * 1000 // plant.step_us)
-        self.ends = self.started + plant.ms * 1000 // plant.step_us
-        self.whole = self.ends + ANSWER_STEPS
-        self.packed = plant.frames == "packed"
-        self.ids = frozenset(range(TPDO2 + 1, TPDO2 + 1 + plant.nodes))
-        self.fronts = [*(PACK_FRAME.pack(0, identifier, 4, 0) for identifier in sorted(self.ids)), b""]
-        self.buses = [Bus(i, i * self.period // plant.all) for i in range(plant.all)]
-        self.turns: dict[int, list[Bus]] = {}
-        for bus in self.buses:
-            self.turns.setdefault(bus.turn, []).append(bus)
-        self.step = self.now = self.syncs = self.checked = self.wrong = self.frames = 0
-        self.complaints: list[str] = []
-        self.begin = self.end = 0.0
-        self.ready, self.over = threading.Event(), threading.Event()
-        self.begun = lambda: None  # before the first step that counts
-        self.ended = lambda: None
-        self._join(uri)
-
-    def _join(self, uri: str) -> None:
-        kit, self.life, clock, controller = self.kit, c_void_p(), c_void_p(), c_void_p()
-        self.participant = c_void_p()
-        names = [MASTER, *(f"plant-{rig}" for rig in range(self.plant.processes))]
-        configuration = kit.configuration(uri, bool(self.plant.aggregate))
-        kit.call("Participant_Create", ctypes.byref(self.participant), configuration, MASTER.encode(), uri.encode())
-        array = (c_char_p * len(names))(*map(str.encode, names))
-        kit.kept.append(array)
-        workflow = Workflow(Header(version(7, 3, 3)), ctypes.pointer(Strings(len(names), array)))
-        kit.call("Experimental_SystemController_Create", ctypes.byref(controller), self.participant)
-        kit.call("Experimental_SystemController_SetWorkflowConfiguration", controller, ctypes.byref(workflow))
-        setup = Lifecycle(Header(version(7, 2)), COORDINATED)
-        kit.call("LifecycleService_Create", ctypes.byref(self.life), self.participant, ctypes.byref(setup))
-        kit.handle("LifecycleService_SetCommunicationReadyHandler", self.life, ON_LIFE(self._on_ready))
-        kit.handle("LifecycleService_SetShutdownHandler", self.life, ON_LIFE(lambda *_: self.over.set()))
-        kit.handle("LifecycleService_SetAbortHandler", self.life, ON_ABORT(lambda *_: self.over.set()))
-        kit.call("TimeSyncService_Create", ctypes.byref(clock), self.life)
-        self.kit.kept.append(on_step := ON_STEP(self._on_step))
-        kit.call("TimeSyncService_SetSimulationStepHandler", clock, None, on_step, c_uint64(self.plant.step_us * 1000))
-        make = self._topics if self.packed else self._controller
-        self.wires = [make(bus.number) for bus in self.buses]
-        self.publishers = [self._shaft(bus.number) for bus in self.buses]
-        kit.call("LifecycleService_StartLifecycle", self.life)
-
-    def _controller(self, bus: int) -> c_void_p:
-        made, handler_id, on_frame = c_void_p(), c_uint64(), ON_FRAME(self._on_frame)
-        name = f"bus{bus}".encode()
-        self.kit.kept.append(on_frame)
-        self.kit.call("CanController_Create", ctypes.byref(made), self.participant, name, name)
-        self.kit.call(
-            "CanController_AddFrameHandler", made, c_void_p(bus), on_frame, c_uint8(RECEIVED), ctypes.byref(handler_id)
-        )
-        return made
-
-    def _topics(self, bus: int) -> c_void_p:
-        made, topic, on_pack = c_void_p(), f"bus{bus}/frames".encode(), ON_DATA(self._on_pack)
-        spec = Spec(Header(version(5, 2)), topic, PACKED)
-        self.kit.kept.append(on_pack)
-        self.kit.call(
-            "DataSubscriber_Create", ctypes.byref(made), self.participant, topic, ctypes.byref(spec), c_void_p(bus), on_pack
-        )
-        return self._publisher(f"bus{bus}/frames/to", PACKED)
-
-    def _shaft(self, bus: int) -> c_void_p:
-        return self._publisher(f"plant-{bus // self.plant.buses}/shaft/s{bus}/turn", SHAFT)
-
-    def _publisher(self, name: str, media_type: bytes) -> c_void_p:
-        made, topic = c_void_p(), name.encode()
-        spec = Spec(Header(version(5, 2)), topic, media_type)
-        self.kit.call(
-            "DataPublisher_Create", ctypes.byref(made), self.participant, topic, ctypes.byref(spec), c_uint8(0)
-        )
-        return made
-
-    # The handlers: one after the other, on a thread of the library.
-
-    def _on_ready(self, *_: object) -> None:
-        # Python makes a state for a thread that calls it, and drops it afterwards; one that is held once more stays,
-        # and a frame costs half as much.
-        ctypes.pythonapi.PyGILState_Ensure()
-        for wire in self.wires if not self.packed else ():
-            self.kit.call("CanController_Start", wire)
-        self.ready.set()
-
-    def _on_frame(self, number: int | None, _controller: int, event: int) -> None:
-        frame = c_uint64.from_address(event + EVENT_FRAME).value
-        identifier, data = ID_AND_DATA.unpack(ctypes.string_at(frame + FRAME_ID, ID_AND_DATA.size))
-        self.frames += 1
-        if identifier in self.ids:
-            bus = self.buses[number or 0]
-            self._check(bus, identifier, ctypes.string_at(data, 4), bus.said)
-
-    def _on_pack(self, number: int | None, _subscriber: int, event: int) -> None:
-        bus = self.buses[number or 0]
-        address, size = ADDRESS_AND_SIZE.unpack(ctypes.string_at(event + EVENT_BYTES, ADDRESS_AND_SIZE.size))
-        message = ctypes.string_at(address, size)
-        begin, count, _ = PACK_HEAD.unpack_from(message)
-        self.frames += count
-        if begin == bus.said and len(bus.missing) == count and message[PACK_HEAD.size :] == bus.answers:
-            self.checked += count  # all of them at once, which is what a plant without faults sends
-            bus.missing = set()
-            return
-        at = PACK_HEAD.size
-        for _ in range(count):
-            offset, identifier, dlc, _ = PACK_FRAME.unpack_from(message, at)
-            at += PACK_FRAME.size + dlc
-            if identifier in self.ids:
-                self._check(bus, identifier, message[at - dlc : at], begin + offset)
-
-    def _check(self, bus: Bus, identifier: int, told: bytes, at_ns: int) -> None:
-        if identifier not in bus.missing:
-            if bus.expected:
-                self._wrong(bus, f"{identifier:03X}h without SYNC")
-            return
-        bus.missing.discard(identifier)
-        self.checked += 1
-        if told != bus.expected:
-            self._wrong(bus, f"{identifier:03X}h tells {told.hex()}, not {bus.expected.hex()}")
-        elif at_ns != bus.said:
-            self._wrong(bus, f"{identifier:03X}h is of {at_ns} ns, not of {bus.said} ns")
-
-    def _wrong(self, bus: Bus, what: str) -> None:
-        self.wrong += 1
-        if len(self.complaints) < 10:
-            self.complaints.append(f"step {self.step}: bus{bus.number}: {what}")
-
-    def _on_step(self, _ctx: object, _clock: object, now: int, _duration: int) -> None:
+    def __init__(self, library: str, uri: str):
         try:
-            self._take_step(now)
-        except (Exception, SystemExit) as error:  # the library is in between
-            self.complaints.append(f"step {self.step}: {error!r}")
-            self.wrong += 1
-            self.over.set()
+            self.library = ctypes.CDLL(library)
+        except OSError as error:
+            sys.exit(f"plant: no SIL Kit library: {error}; $DREHGEBER_SILKIT_LIBRARY names one, see README.md")
+        self.library.SilKit_GetLastErrorString.restype = c_char_p
+        configuration, self.made, listens = c_void_p(), c_void_p(), c_char_p()
+        self._call("ParticipantConfiguration_FromString", ctypes.byref(configuration), b'{"Logging":{"Sinks":[]}}')
+        self._call("Vendor_Vector_SilKitRegistry_Create", ctypes.byref(self.made), configuration)
+        self._call("Vendor_Vector_SilKitRegistry_StartListening", self.made, uri.encode(), ctypes.byref(listens))
 
-    def _take_step(self, now: int) -> None:
-        self.now = now
-        if self.step == self.started:
-            self.begun()
-            self.frames = 0
-            self.begin = time.monotonic()
-        if self.step < self.booted or self.step >= self.ends:
-            due = []
-        else:
-            due = self.turns.get((self.step - self.booted) % self.period, [])
-        for bus in due:
-            if self.step < self.started:
-                self._send(bus, START, b"\x01\x00")
-            else:
-                self._sync(bus, now)
-        self.step += 1
-        if self.step == self.whole:
-            self.end = time.monotonic()
-            self.ended()
-            for bus in self.buses:
-                self._all_heard(bus)
-                bus.expected = b""
-            self.kit.library.SilKit_LifecycleService_Stop(self.life, b"done")
-
-    def _sync(self, bus: Bus, now: int) -> None:
-        self._all_heard(bus)
-        bus.missing = set(self.ids)
-        bus.expected, bus.said = bus.shaft.position(now), now
-        bus.answers = bus.expected.join(self.fronts)
-        self.syncs += 1
-        self._send(bus, SYNC, b"")
-        self._publish(self.publishers[bus.number], bus.shaft.turn(now))
-
-    def _all_heard(self, bus: Bus) -> None:
-        for identifier in sorted(bus.missing):
-            self._wrong(bus, f"{identifier:03X}h is missing")
-        bus.missing = set()
-
-    def _send(self, bus: Bus, identifier: int, data: bytes) -> None:
-        wire = self.wires[bus.number]
-        if self.packed:
-            self._publish(wire, PACK_HEAD.pack(self.now, 1, 0) + PACK_FRAME.pack(0, identifier, len(data), 0) + data)
-            return
-        frame = Frame(Header(version(1, 1)), identifier, 0, len(data))
-        frame.data, frame.size = data, len(data)
-        self.kit.call("CanController_SendFrame", wire, ctypes.byref(frame), None)
-
-    def _publish(self, publisher: c_void_p, message: bytes) -> None:
-        self.kit.call("DataPublisher_Publish", publisher, ctypes.byref(Bytes(message, len(message))))
+    def _call(self, function: str, *arguments: object) -> None:
+        if getattr(self.library, f"SilKit_{function}")(*arguments) != 0:
+            sys.exit(f"plant: SIL Kit: {function}: {self.library.SilKit_GetLastErrorString().decode()}")
 
     def close(self) -> None:
-        """Leave the simulation."""
-        self.kit.library.SilKit_Participant_Destroy(self.participant)
-
-
-# ---------------------------------------------------------------- processes
+        """Participants that have joined go on."""
+        self.library.SilKit_Vendor_Vector_SilKitRegistry_Destroy(self.made)
 
 
 class Ending:
@@ -329,9 +102,11 @@ class Ending:
 
 
 def spent_s(pid: int) -> float:
-    """Seconds on a processor so far, of all threads."""
-    fields = Path(f"/proc/{pid}/stat").read_text(encoding="ascii").rpartition(")")[2].split()
-    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+    """Seconds on a processor so far, of all threads, to the nanosecond."""
+    clock = c_int()
+    if ctypes.CDLL(None).clock_getcpuclockid(pid, ctypes.byref(clock)) != 0:
+        raise ProcessLookupError(pid)
+    return time.clock_gettime(clock.value)
 
 
 def memory_kb(pid: int) -> int:
@@ -403,38 +178,95 @@ class Rigs:
                 process.wait()
 
 
+def compile_master(folder: str, ending: Ending) -> str:
+    """The program, from the sources beside this script."""
+    program = f"{folder}/master"
+    command = ["cc", "-std=c11", "-O2", "-o", program, *map(str, sorted(HERE.glob("*.c"))), "-ldl", "-pthread"]
+    try:
+        with ending:
+            done = subprocess.run(
+                command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False
+            )
+    except OSError as error:
+        sys.exit(f"plant: cc: {error.strerror}; a C compiler makes the master, or --master names one that is made")
+    if done.returncode != 0:
+        sys.exit(f"plant: cc has ended with {done.returncode}: {done.stdout.strip()}")
+    return program
+
+
+class Master:
+    """The program that turns the shafts and checks the positions. A line of it is a word and what belongs to it: master.c
+    lists them. Behind `begin` and `end` it waits for a line. It leaves the simulation when its input ends."""
+
+    def __init__(self, program: str, plant: argparse.Namespace, uri: str):
+        numbers = {name: getattr(plant, name) for name in ("processes", "buses", "nodes", "ms", "step_us", "sync_ms")}
+        numbers |= {"aggregate": plant.aggregate, "packed": int(plant.frames == "packed"), "hash": int(plant.hash)}
+        try:
+            self.process = subprocess.Popen(
+                [program, uri, *(f"{name}={number}" for name, number in numbers.items())], bufsize=0,
+                stdin=subprocess.PIPE, stdout=subprocess.PIPE, env={**os.environ, "DREHGEBER_SILKIT_LIBRARY": plant.library},
+            )  # fmt: skip
+        except OSError as error:
+            sys.exit(f"plant: {program}: {error.strerror}; --master names the program")
+        self.rest = b""
+
+    def lines(self, seconds: float) -> Iterator[tuple[str, str]]:
+        """Those that it prints within this time, at least one if there is one. Its end is the word `ended`."""
+        if not select.select([self.process.stdout], [], [], seconds)[0]:
+            return
+        read = os.read(self.process.stdout.fileno(), 1 << 16)
+        *whole, self.rest = (self.rest + read).split(b"\n")
+        for line in whole:
+            word, _, rest = line.decode(errors="replace").partition(" ")
+            yield word, rest
+        if not read:
+            yield "ended", ""
+
+    def answer(self) -> None:
+        """It goes on."""
+        with contextlib.suppress(BrokenPipeError):
+            self.process.stdin.write(b"\n")
+
+    def close(self) -> int:
+        """End it. @return its status"""
+        self.process.stdin.close()
+        try:
+            self.process.wait(10)
+        except subprocess.TimeoutExpired:
+            self.process.kill()
+        return self.process.wait()
+
+
 # ---------------------------------------------------------------- figures
 
 
 class Figures:
     """What it took, with the processes that run here."""
 
-    def __init__(self, rigs: Rigs, plant: argparse.Namespace):
-        self.rigs, self.plant = rigs, plant
+    def __init__(self, rigs: Rigs, master: Master, plant: argparse.Namespace):
+        self.pids = [process.pid for process in (master.process, *rigs.all)]
+        self.plant = plant
         self.before: list[float] = []
         self.after: list[float] = []
         self.memory: list[int] = []
 
-    def _spent(self) -> list[float]:
-        return [spent_s(pid) for pid in (os.getpid(), *(process.pid for process in self.rigs.all))]
-
     def begin(self) -> None:
         """The first step that counts."""
-        self.before = self._spent()
+        self.before = list(map(spent_s, self.pids))
 
     def end(self) -> None:
         """Behind the last one."""
-        self.after = self._spent()
-        self.memory = [memory_kb(pid) for pid in (os.getpid(), *(process.pid for process in self.rigs.all))]
+        self.after = list(map(spent_s, self.pids))
+        self.memory = list(map(memory_kb, self.pids))
 
-    def tell(self, master: Master, started: list[tuple[str, float]]) -> None:
-        """A line for each."""
-        plant, wall = self.plant, master.end - master.begin
-        steps = master.whole - master.started
+    def tell(self, told: dict[str, str], started: list[tuple[str, float]]) -> None:
+        """A line for each, of what the master has told."""
+        plant, wall = self.plant, float(told["seconds"])
+        steps, carried = int(told["steps"]), int(told["frames"])
         virtual = steps * plant.step_us / 1e6
         used = [after - before for before, after in zip(self.before, self.after)]
-        here = len(self.rigs.all)
-        frames = max(1, master.frames)
+        here = len(self.pids) - 1
+        frames = max(1, carried)
         theirs = max(1, frames * here // plant.processes)
         rows = [
             ("encoders", f"{plant.all * plant.nodes} = {plant.processes} rigs x {plant.buses} buses x {plant.nodes} nodes"),
@@ -443,27 +275,15 @@ class Figures:
             ("simulated", f"{virtual:.2f} s in steps of {plant.step_us} us, SYNC each {plant.sync_ms} ms: {wall:.2f} s"),
             ("virtual s per s", f"{virtual / wall:.3f}"),
             ("steps/s", f"{steps / wall:.0f}"),
-            ("frames/s", f"{(master.frames + master.syncs) / wall:.0f}"),
-            ("processor", f"{sum(used[1:]):.2f} s in {here} rigs, {used[0]:.2f} s master, of {os.cpu_count()} cores"),
-            ("a frame", f"{sum(used[1:]) * 1e6 / theirs:.1f} us in its rig, {used[0] * 1e6 / frames:.1f} us in the master"),
-            ("positions", f"{master.checked} checked, {master.wrong} wrong"),
+            ("frames/s", f"{(carried + int(told['syncs'])) / wall:.0f}"),
+            ("processor", f"{sum(used[1:]):.3f} s in {here} rigs, {used[0]:.3f} s master, of {os.cpu_count()} cores"),
+            ("a frame", f"{sum(used[1:]) * 1e6 / theirs:.3f} us in its rig, {used[0] * 1e6 / frames:.3f} us in the master"),
+            ("positions", f"{told['checked']} checked, {told['wrong']} wrong"),
         ]
+        if "hash" in told:
+            rows.append(("hash", told["hash"]))
         for name, figure in rows:
             print(f"{name:19} {figure}", flush=True)
-
-
-class Progress:
-    """A line on stderr every other second, for whoever waits."""
-
-    def __init__(self) -> None:
-        self.began = self.told = time.monotonic()
-
-    def tell(self, what: str) -> None:
-        """If it is time."""
-        now = time.monotonic()
-        if now - self.told > PROGRESS_S:
-            self.told = now
-            print(f"plant: {what}, {now - self.began:.0f} s", file=sys.stderr, flush=True)
 
 
 # ---------------------------------------------------------------- the command
@@ -514,6 +334,8 @@ def options() -> argparse.Namespace:
     parser.add_argument("--join", action="store_true", help="the master and the registry are on another machine")
     parser.add_argument("--rig", type=int, help="print the rig file of one and end")
     parser.add_argument("--program", default="drehgeber", help="the command (drehgeber)")
+    parser.add_argument("--master", metavar="PROGRAM", help="the compiled master (compile master.c with cc)")
+    parser.add_argument("--hash", action="store_true", help="print a hash of all packed frames that the master received")
     plant = parser.parse_args()
     plant.here = plant.here if plant.here is not None else range(plant.processes)
     plant.all = plant.processes * plant.buses
@@ -522,6 +344,8 @@ def options() -> argparse.Namespace:
         parser.error("--registry silkit://HOST:PORT says where the master is")
     if plant.registry is not None and not re.fullmatch(r"silkit://[^/,\s]+:\d{1,5}", plant.registry):
         parser.error(f"--registry {plant.registry}: expected silkit://HOST:PORT")
+    if plant.hash and plant.frames != "packed":
+        parser.error("--hash is of packed frames")
     if not 1 <= plant.threads <= THREADS_MAX:
         parser.error(f"--threads {plant.threads}: expected 1..{THREADS_MAX}")
     if plant.processes > PROCESSES_MAX:
@@ -553,43 +377,59 @@ def run_rigs(plant: argparse.Namespace, folder: str, ending: Ending) -> int:
     return 0
 
 
+def follow(master: Master, rigs: Rigs, figures: Figures, began: float) -> tuple[dict[str, str], list[str]]:
+    """Until the simulation is over. @return what the master has told, and its complaints"""
+    told: dict[str, str] = {}
+    complaints: list[str] = []
+    while not told.keys() & {"over", "ended"}:
+        rigs.check()
+        for word, rest in master.lines(0.1):
+            told[word] = rest
+            if word == "begin":
+                figures.begin()
+                master.answer()
+            elif word == "end":
+                figures.end()
+                master.answer()
+            elif word == "joined":
+                told[word] = f"{time.monotonic() - began:.2f}"
+            elif word == "progress":
+                print(f"plant: {rest}, {time.monotonic() - began:.0f} s", file=sys.stderr, flush=True)
+            elif word == "complaint":
+                complaints.append(rest)
+    return told, complaints
+
+
 def run_all(plant: argparse.Namespace, folder: str, ending: Ending) -> int:
     """The registry, the rigs of this machine, the master."""
-    progress = Progress()
+    program = plant.master or compile_master(folder, ending)
+    began = time.monotonic()
     uri = plant.registry or f"silkit://127.0.0.1:{free_port()}"
-    kit = Kit(plant.library)
-    registry = kit.registry(uri)
-    rigs, master = Rigs(plant, uri, folder, ending), None
+    registry = Registry(plant.library, uri)
+    rigs, master, status = Rigs(plant, uri, folder, ending), None, 1
     try:
         rigs.start()
         rigs.wait_ready()
-        started = [("encoders ready", time.monotonic() - progress.began)]
-        master = Master(kit, plant, uri)
-        figures = Figures(rigs, plant)
-        master.begun, master.ended = figures.begin, figures.end
-        while not master.ready.wait(0.1):
-            rigs.check()
-            progress.tell(f"waiting for all {plant.processes} rigs")
-        started.append(("all joined", time.monotonic() - progress.began))
-        while not master.over.wait(0.1):
-            rigs.check()
-            progress.tell(
-                f"step {master.step} of {master.whole}, {master.checked} positions checked, {master.wrong} wrong"
-            )
-        if master.end:
-            figures.tell(master, started)
+        started = [("encoders ready", time.monotonic() - began)]
+        with ending:
+            master = Master(program, plant, uri)
+        figures = Figures(rigs, master, plant)
+        told, complaints = follow(master, rigs, figures, began)
+        if "end" in told and "over" in told:
+            figures.tell(told, [*started, ("all joined", float(told["joined"]))])
     finally:
         with ending:
             rigs.close()
             if master is not None:
-                master.close()
-            kit.library.SilKit_Vendor_Vector_SilKitRegistry_Destroy(registry)
-    for complaint in master.complaints:
+                status = master.close()
+            registry.close()
+    for complaint in complaints:
         print(f"plant: {complaint}", file=sys.stderr)
-    if not master.end:
+    if status not in (0, 1, REFUSED):
+        print(f"plant: the master has ended with {status}", file=sys.stderr)
+    elif status != REFUSED and "end" not in told:
         print("plant: the simulation ended too early", file=sys.stderr)
-    expected = master.syncs * plant.nodes
-    return 0 if master.end and master.wrong == 0 and master.checked == expected > 0 else 1
+    return min(1, abs(status))
 
 
 def main() -> int:
