@@ -16,6 +16,7 @@ CONDITIONAL = {
     "include/drehgeber/wide.h": "a product of 64 bits in C where the processor has no instruction for it",
     "platform/fmu/fmi.h":       "each compiler has its own words for what a library exports",
     "platform/hdl/hdl.h":       "each compiler has its own words for what a library exports",
+    "src/core/wide.c":          "a product of 128 bits in C where the processor has no instruction for it",
 }
 CONDITION = re.compile(r"\s*#\s*(?:if|ifdef|ifndef|elif|else)\b")
 GUARD = re.compile(r"\s*#\s*ifndef\s+(\w+)\s*\n\s*#\s*define\s+\1\s*(?:\n|$)")

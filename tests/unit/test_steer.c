@@ -144,105 +144,6 @@ static void looking_back(void **state)
     assert_true(dg_shaft_angle(&shaft, DG_MS(1500)) == 78);
 }
 
-/* Not as long as an encoder that looks back sees it turn, and not while nobody can tell. */
-static void standing_still(void **state)
-{
-    static const struct dg_motion rest = {.kind = DG_MOTION_STANDSTILL};
-    static const struct dg_motion ramp = {
-        .kind = DG_MOTION_RAMP, .mrpm = 1000, .accel = DG_S(1), .hold = DG_S(1)};
-    static const struct dg_motion sine = {
-        .kind = DG_MOTION_SINE, .amplitude = 1, .period = DG_S(100)};
-    struct dg_shaft shaft = fresh(REV_PER_S2);
-    struct dg_shaft geared;
-
-    (void)state;
-    dg_shaft_init(&geared);
-    assert_int_equal(dg_shaft_couple(&geared, &shaft, 1, 3), DG_OK);
-    assert_int_equal(dg_shaft_calm(&shaft, DG_WORLD_SPEED_SPAN - 1), DG_CALM_UNKNOWN);
-    assert_int_equal(dg_shaft_calm(&shaft, DG_WORLD_SPEED_SPAN), DG_CALM_STANDS);
-    assert_int_equal(dg_shaft_calm(&geared, DG_WORLD_SPEED_SPAN), DG_CALM_STANDS);
-    (void)dg_shaft_set_velocity(&shaft, DG_S(1), REV_PER_S);
-    assert_int_equal(dg_shaft_calm(&shaft, DG_S(9)), DG_CALM_SLOW);
-    (void)dg_shaft_set_velocity(&shaft, DG_S(9), 0);
-    const dg_ns settled = dg_shaft_settled(&shaft);
-    assert_true(settled > DG_S(9));
-    assert_int_equal(dg_shaft_calm(&geared, settled + DG_WORLD_SPEED_SPAN - 1), DG_CALM_SLOW);
-    assert_int_equal(dg_shaft_calm(&geared, settled + DG_WORLD_SPEED_SPAN), DG_CALM_STANDS);
-    (void)dg_shaft_play(&shaft, DG_S(20), &rest);
-    assert_int_equal(dg_shaft_calm(&shaft, DG_S(20)), DG_CALM_UNKNOWN); /* it was elsewhere */
-    assert_int_equal(dg_shaft_calm(&shaft, DG_S(20) + DG_WORLD_SPEED_SPAN), DG_CALM_STANDS);
-    (void)dg_shaft_play(&shaft, DG_S(30), &sine);
-    assert_int_equal(dg_shaft_calm(&shaft, DG_S(40)), DG_CALM_UNKNOWN);
-    (void)dg_shaft_play(&shaft, DG_S(50), &ramp);
-    assert_int_equal(dg_shaft_calm(&shaft, DG_S(60)), DG_CALM_SLOW);
-}
-
-static enum dg_calm calm_at(int32_t mrpm, int32_t numerator, int32_t denominator)
-{
-    struct dg_shaft shaft = fresh(0);
-    struct dg_shaft geared;
-
-    dg_shaft_init(&geared);
-    assert_int_equal(dg_shaft_couple(&geared, &shaft, numerator, denominator), DG_OK);
-    assert_int_equal(dg_shaft_set_velocity(&shaft, DG_S(1), mrpm), DG_OK);
-    return dg_shaft_calm(&geared, DG_S(1) + DG_WORLD_SPEED_SPAN);
-}
-
-/* Up to the limit, through gears; no product is too large for its type. */
-static void turning_slowly(void **state)
-{
-    (void)state;
-    assert_int_equal(calm_at(DG_CALM_MRPM, 1, 1), DG_CALM_SLOW);
-    assert_int_equal(calm_at(-DG_CALM_MRPM, 1, 1), DG_CALM_SLOW);
-    assert_int_equal(calm_at(DG_CALM_MRPM + 1, 1, 1), DG_CALM_UNKNOWN);
-    assert_int_equal(calm_at(-DG_CALM_MRPM - 1, 1, 1), DG_CALM_UNKNOWN);
-    assert_int_equal(calm_at(DG_CALM_MRPM * 3, -1, 3), DG_CALM_SLOW);
-    assert_int_equal(calm_at(DG_CALM_MRPM * 3 + 1, 1, 3), DG_CALM_UNKNOWN);
-    assert_int_equal(calm_at(DG_MOTION_SPEED_MAX_MRPM, INT32_MIN, 1), DG_CALM_UNKNOWN);
-    assert_int_equal(calm_at(DG_MOTION_SPEED_MAX_MRPM, 1, INT32_MAX), DG_CALM_SLOW);
-}
-
-/* A speed of the last millisecond counts, a speed that is to come, too. */
-static void slow_from_when_on(void **state)
-{
-    struct dg_shaft shaft = fresh(0);
-
-    (void)state;
-    (void)dg_shaft_set_velocity(&shaft, DG_S(1), DG_CALM_MRPM + 1);
-    (void)dg_shaft_set_velocity(&shaft, DG_S(2), DG_CALM_MRPM);
-    assert_int_equal(dg_shaft_calm(&shaft, DG_S(2) + DG_WORLD_SPEED_SPAN - 1), DG_CALM_UNKNOWN);
-    assert_int_equal(dg_shaft_calm(&shaft, DG_S(2) + DG_WORLD_SPEED_SPAN), DG_CALM_SLOW);
-    (void)dg_shaft_set_acceleration(&shaft, 1000);
-    (void)dg_shaft_set_velocity(&shaft, DG_S(3), DG_CALM_MRPM + 1);
-    assert_int_equal(dg_shaft_calm(&shaft, DG_S(3)), DG_CALM_UNKNOWN);
-    (void)dg_shaft_set_velocity(&shaft, DG_S(3), 0);
-    assert_int_equal(dg_shaft_calm(&shaft, DG_S(4)), DG_CALM_SLOW);
-}
-
-/* Who tells where a shaft is tells it in whole units. */
-static void it_jumps(void **state)
-{
-    struct dg_shaft shaft = fresh(0);
-    struct dg_shaft geared;
-
-    (void)state;
-    dg_shaft_init(&geared);
-    assert_int_equal(dg_shaft_couple(&geared, &shaft, 1, 1), DG_OK);
-    (void)dg_shaft_turn(&shaft, DG_S(1), -1, 0);
-    assert_int_equal(dg_shaft_calm(&geared, DG_S(1)), DG_CALM_STANDS);
-    (void)dg_shaft_turn(&shaft, DG_S(2), 0, 0);
-    assert_int_equal(dg_shaft_calm(&geared, DG_S(2)), DG_CALM_STANDS);
-    (void)dg_shaft_turn(&shaft, DG_S(3), DG_TURN / 65536, 0);
-    assert_int_equal(dg_shaft_calm(&geared, DG_S(3)), DG_CALM_UNKNOWN);
-    assert_int_equal(dg_shaft_calm(&geared, DG_S(4)), DG_CALM_STANDS);
-    (void)dg_shaft_set_position(&geared, DG_S(5), DG_TURN);
-    assert_int_equal(dg_shaft_calm(&geared, DG_S(5)), DG_CALM_UNKNOWN);
-    assert_int_equal(dg_shaft_calm(&shaft, DG_S(5)), DG_CALM_STANDS);
-    (void)dg_shaft_set_position(&shaft, DG_S(6), -DG_TURN);
-    assert_int_equal(dg_shaft_calm(&shaft, DG_S(6)), DG_CALM_UNKNOWN);
-    assert_int_equal(dg_shaft_calm(&geared, DG_S(6)), DG_CALM_UNKNOWN);
-}
-
 /* What an encoder measures at 10 000 commands a second is the speed that is commanded. */
 static void encoders_see_the_speed_between_commands(void **state)
 {
@@ -684,10 +585,6 @@ int main(void)
         cmocka_unit_test(speed_changes_by_hand),
         cmocka_unit_test(the_same_speed_again_changes_nothing),
         cmocka_unit_test(looking_back),
-        cmocka_unit_test(standing_still),
-        cmocka_unit_test(turning_slowly),
-        cmocka_unit_test(slow_from_when_on),
-        cmocka_unit_test(it_jumps),
         cmocka_unit_test(encoders_see_the_speed_between_commands),
         cmocka_unit_test(turning_on_at_once),
         cmocka_unit_test(no_drift_at_a_constant_speed),
