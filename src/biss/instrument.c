@@ -169,8 +169,8 @@ static void seed(void *self, uint32_t value)
 /* clang-format off */
 static const struct dg_fault_row faults[] = {
     {"led_current_high",    DG_FAULT_SENSES(led_current_ua),                       40000, DG_CAUSE_LED_WORN,  "69h bit 0, nERR low", "5.2.3"},
-    {"temperature_high",    DG_FAULT_SENSES(temperature_mdegc),                   125000, DG_CAUSE_HOT,       "69h bit 2 and nERR or nWARN low while 22h or 23h have bit 2; 6Ah, 6Bh tell 125 degC", "5.2.3; no. 20"},
-    {"temperature_low",     DG_FAULT_SENSES(temperature_mdegc),                   -45000, DG_CAUSE_COLD,      "69h bit 2 and nERR or nWARN low while 22h or 23h have bit 2; 6Ah, 6Bh tell -45 degC", "5.2.3; no. 20"},
+    {"temperature_high",    DG_FAULT_SENSES(temperature_mdegc),                   125000, DG_CAUSE_HOT,       "69h bit 2 and nERR or nWARN low while 22h or 23h have bit 2; 6Ah, 6Bh read 125 degC", "5.2.3; no. 20"},
+    {"temperature_low",     DG_FAULT_SENSES(temperature_mdegc),                   -45000, DG_CAUSE_COLD,      "69h bit 2 and nERR or nWARN low while 22h or 23h have bit 2; 6Ah, 6Bh read -45 degC", "5.2.3; no. 20"},
     {"sin_amplitude_low",   DG_FAULT_SENSES(sin_amplitude_permille),                 500, DG_CAUSE_DIRT,      "69h bit 1, nERR low", "5.2.3; no. 21"},
     {"sin_amplitude_high",  DG_FAULT_SENSES(sin_amplitude_permille),                1500, DG_CAUSE_GAIN,      "69h bit 1, nERR low", "5.2.3; no. 21"},
     {"cos_amplitude_low",   DG_FAULT_SENSES(cos_amplitude_permille),                 500, DG_CAUSE_DIRT,      "69h bit 1, nERR low", "5.2.3; no. 21"},
@@ -181,11 +181,11 @@ static const struct dg_fault_row faults[] = {
     {"multiturn_amplitude", DG_FAULT_SENSES(multiturn_amplitude_ok),                   0, DG_CAUSE_MT_WEAK,   "69h bit 6, nERR low; 60h bits 0 and 1 clear", "5.2.3; no. 22"},
     {"multiturn_sync",      DG_FAULT_SENSES(multiturn_sync_ok),                        0, DG_CAUSE_MT_SYNC,   "69h bit 3, nERR low; 60h bit 0 clear", "5.2.3; no. 22"},
     {"multiturn_vector",    DG_FAULT_SENSES(multiturn_vector_ok),                      0, DG_CAUSE_MT_VECTOR, "69h bit 6, nERR low; 60h bits 0 and 1 clear", "5.2.3; no. 22"},
-    {"eeprom_silent",       DG_FAULT_SENSES(eeprom_acknowledges),                      0, DG_CAUSE_SILENT,    "69h bit 4, nERR low, user banks refused; when it starts so, until command 04 or the next start", "5.2.3; no. 11, 23"},
+    {"eeprom_silent",       DG_FAULT_SENSES(eeprom_acknowledges),                      0, DG_CAUSE_SILENT,    "69h bit 4, nERR low, user banks refused; if it is silent at a start, until command 04 or the next start", "5.2.3; no. 11, 23"},
     {"watchdog_fired",      DG_FAULT_SENSES(watchdog_fired),                           1, DG_CAUSE_WATCHDOG,  "69h bit 7, nERR low", "5.2.3"},
     {"wire_drop",           DG_FAULT_ON_WIRE(DROP),                                    0, "the line driver is broken now and then", "SLO stays high for the frame: no Ack", "5.2.1.1"},
     {"wire_delay",          DG_FAULT_ON_WIRE(DELAY),                 (int64_t)DG_US(100), "the conversion takes too long", "the start bit comes after 100 us; 40 us are the longest", "5.2.1.1"},
-    {"wire_damage",         DG_FAULT_ON_WIRE(DAMAGE),                                  0, "a disturbance on the line", "one bit behind the start bit is flipped: CDS, or the CRC is wrong", "5.2.1.2"},
+    {"wire_damage",         DG_FAULT_ON_WIRE(DAMAGE),                                  0, "a disturbance on the line", "one bit after the start bit is flipped: CDS, or the CRC is wrong", "5.2.1.2"},
     {"wire_break",          DG_FAULT_ON_WIRE(BREAK),                                   0, "a wire of SLO is broken", "SLO reads high: no Ack in any frame", "5.2.1.1"},
 };
 
@@ -194,7 +194,7 @@ static const struct dg_damage_row damage[] = {
 };
 
 static const struct dg_scpi_command commands[] = {
-    {"BISS:FRAMe",            NULL,                        frame,                   0, "", "clock a frame of a simulated wire: position, nERR, nWARN, life counter, CRC right"},
+    {"BISS:FRAMe",            NULL,                        frame,                   0, "", "clock a frame of a simulated wire: position, nERR, nWARN, life counter, CRC valid"},
     {"BISS:REGister",         write,                       NULL,                    0, "ADDRESS,BYTE[,BYTE]...", "write registers over a simulated wire"},
     {"BISS:REGister",         NULL,                        read,                    0, "ADDRESS[,N]", "read N registers, one without N"},
 };

@@ -115,22 +115,22 @@ static const struct dg_fault_row faults[] = {
     {"multiturn_amplitude", DG_FAULT_SENSES(multiturn_amplitude_ok),                  0, DG_CAUSE_MT_WEAK,   "multiturn: EMCY 1000h, 1001h bit 0, 6503h bit 0, both LEDs fast", "15, 26, 29"},
     {"multiturn_sync",      DG_FAULT_SENSES(multiturn_sync_ok),                       0, DG_CAUSE_MT_SYNC,   "multiturn: EMCY 1000h, 1001h bit 0, 6503h bit 0, both LEDs fast", "15, 26, 29"},
     {"multiturn_vector",    DG_FAULT_SENSES(multiturn_vector_ok),                     0, DG_CAUSE_MT_VECTOR, "multiturn: EMCY 1000h, 1001h bit 0, 6503h bit 0, both LEDs fast", "15, 26, 29"},
-    {"eeprom_silent",       DG_FAULT_SENSES(eeprom_acknowledges),                     0, DG_CAUSE_SILENT,    "EMCY 5100h and 1000h, 6503h bit 1; 1010h, 1011h, 2105h abort 06060000h; when it starts so, 5100h until the next start", "15, 26; no. 8"},
+    {"eeprom_silent",       DG_FAULT_SENSES(eeprom_acknowledges),                     0, DG_CAUSE_SILENT,    "EMCY 5100h and 1000h, 6503h bit 1; 1010h, 1011h, 2105h abort 06060000h; if it is silent at a start, 5100h until the next start", "15, 26; no. 8"},
     {"watchdog_fired",      DG_FAULT_SENSES(watchdog_fired),                          1, DG_CAUSE_WATCHDOG,  "6505h bit 2, both LEDs 300 ms; no EMCY", "26, 29; no. 10"},
     {"wire_drop",           DG_FAULT_ON_WIRE(DROP),                                   0, "a bridge loses frames to the master", "what the node sends does not arrive", "CiA 301"},
     {"wire_deaf",           DG_FAULT_ON_WIRE(DEAF),                                   0, "a bridge loses frames from the master", "what the master sends does not arrive", "CiA 301"},
     {"wire_delay",          DG_FAULT_ON_WIRE(DELAY),                 (int64_t)DG_MS(50), "the bus is overloaded", "what the node sends comes 50 ms late", "CiA 301"},
     {"wire_damage",         DG_FAULT_ON_WIRE(DAMAGE),                                 0, "a bridge with a faulty memory", "one data bit is flipped and the CRC fits: a frame that is valid and wrong", "CiA 301"},
     {"wire_duplicate",      DG_FAULT_ON_WIRE(DUPLICATE),                              0, "a disturbance in the last bit: the controller repeats what was received already", "what the node sends comes twice", "CiA 301"},
-    {"bus_off",             DG_FAULT_ON_WIRE(BUS_OFF),                                0, "the bus is short-circuited", "silence, 1029h:1 at once, error LED on; EMCY 8140h when it is over", "15, 29; CANopen no. 1"},
+    {"bus_off",             DG_FAULT_ON_WIRE(BUS_OFF),                                0, "the bus is short-circuited", "silence, 1029h:1 at once, error LED on; EMCY 8140h when the bus is back", "15, 29; CANopen no. 1"},
     {"error_passive",       DG_FAULT_ON_WIRE(PASSIVE),                                0, "many damaged frames", "EMCY 8120h, 1001h 11h", "15"},
     {"overrun",             DG_FAULT_ON_WIRE(OVERRUN),                                0, "the processor was too slow to take a frame", "the frame is lost, EMCY 8110h and 0000h", "15"},
 };
 
 static const struct dg_damage_row damage[] = {
     {"usf",  "from the next start on, with the universal scaling function: EMCY 6200h until a preset is set", "25"},
-    {"time", "from the next start on: EMCY 5100h; 6508h begins anew", "15; F36x8 no. 9"},
-    {NULL,   "from the next start on: EMCY 5100h, 1001h bit 0, defaults in force", "15; CANopen no. 4"},
+    {"time", "from the next start on: EMCY 5100h; 6508h starts again at 0", "15; F36x8 no. 9"},
+    {NULL,   "from the next start on: EMCY 5100h, 1001h bit 0, defaults are used", "15; CANopen no. 4"},
 };
 /* clang-format on */
 

@@ -179,11 +179,11 @@ void dg_control_follows(struct dg_scpi *self)
 /* clang-format off */
 #define WORDS "[,ONCE|LOOP][,LINear|STEP]"
 #define FILES(id, member, name, header, ...) \
-    {"WORLd:" header ":PROFile", dg_control_follow, dg_control_followed, DG_QUANTITY_##id, "\"FILE.csv\"" WORDS, "let it follow the points of a file: once and straight between them without words"},
+    {"WORLd:" header ":PROFile", dg_control_follow, dg_control_followed, DG_QUANTITY_##id, "\"FILE.csv\"" WORDS, "let the quantity follow the points of a file; the default is ONCE and LINear"},
 #define POINTS(id, member, name, header, ...) \
-    {"WORLd:" header ":PROFile:POINts", dg_control_follow_points, NULL, DG_QUANTITY_##id, "TIME,VALUE,..." WORDS, "let it follow these points, of which there are at most 32"},
+    {"WORLd:" header ":PROFile:POINts", dg_control_follow_points, NULL, DG_QUANTITY_##id, "TIME,VALUE,..." WORDS, "let the quantity follow these points, at most 32"},
 #define STATES(id, member, name, header, ...) \
-    {"WORLd:" header ":PROFile:STATe", dg_control_follow_on, dg_control_follows, DG_QUANTITY_##id, "OFF", "whether it follows any; OFF lets it stay what it is"},
+    {"WORLd:" header ":PROFile:STATe", dg_control_follow_on, dg_control_follows, DG_QUANTITY_##id, "OFF", "whether the quantity follows points; OFF ends this, and the value stays"},
 
 static const struct dg_scpi_command rows[] = {
     /* header, command, query, argument, parameters, help */

@@ -99,7 +99,7 @@ static const struct dg_fault_row faults[] = {
     {"multiturn_amplitude", DG_FAULT_SENSES(multiturn_amplitude_ok), 0, DG_CAUSE_MT_WEAK,   "multiturn: IN bit 31; K1, K2: ID bit 13", "9.3; I19"},
     {"multiturn_sync",      DG_FAULT_SENSES(multiturn_sync_ok),      0, DG_CAUSE_MT_SYNC,   "multiturn: IN bit 31; K1, K2: ID bit 13", "9.3; I19"},
     {"multiturn_vector",    DG_FAULT_SENSES(multiturn_vector_ok),    0, DG_CAUSE_MT_VECTOR, "multiturn: IN bit 31; K1, K2: ID bit 13", "9.3; I19"},
-    {"eeprom_silent",       DG_FAULT_SENSES(eeprom_acknowledges),    0, DG_CAUSE_SILENT,    "K3: parameters answer 86000000h; when it starts so, IN 86000000h until the next start", "9.4; no. 1"},
+    {"eeprom_silent",       DG_FAULT_SENSES(eeprom_acknowledges),    0, DG_CAUSE_SILENT,    "K3: parameters answer 86000000h; if it is silent at a start, IN 86000000h until the next start", "9.4; no. 1"},
     {"wire_drop",           DG_FAULT_ON_WIRE(DROP),                  0, "a disturbance on the remote bus", "a cycle without data: IN as before", "2"},
     {"wire_damage",         DG_FAULT_ON_WIRE(DAMAGE),                0, "a disturbance on the incoming bus", "a transmission error at this device: no data in this cycle and five more, ID bit 14", "2; no. 5"},
     {"wire_tear",           DG_FAULT_ON_WIRE(TEAR),                  0, "a master that does not take the words of a device together", "IN is half of this cycle, half of the one before", "2; I21"},
@@ -107,7 +107,7 @@ static const struct dg_fault_row faults[] = {
 };
 
 static const struct dg_damage_row damage[] = {
-    {"time", "from the next start on: the operating time begins anew; no error", "I17"},
+    {"time", "from the next start on: the operating time starts again at 0; no error", "I17"},
     {NULL,   "from the next start on: IN 86000000h until it is sent again or 0E000000h is accepted", "9.4; I17"},
 };
 /* clang-format on */

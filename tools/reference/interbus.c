@@ -51,7 +51,7 @@ static int print_regions(void)
     for (unsigned i = 0; i < dg_ib_layout.region_count; i++) {
         const struct dg_store_region *region = &dg_ib_layout.regions[i];
         printf("| %s | %u | %s | %04Xh |\n", region->name, region->size,
-               region->startup_code != 0 ? "86000000h" : "begins anew",
+               region->startup_code != 0 ? "86000000h" : "starts at 0",
                (unsigned)dg_store_address(&dg_ib_layout, (uint8_t)i));
     }
     return 0;
