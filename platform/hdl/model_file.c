@@ -70,7 +70,7 @@ static int read_model_plan(struct dg_hdl *self, struct dg_plan_setup *setup)
         result = self->models == NULL ? DG_ERR_ARGUMENT : dg_plan_read(&self->plan, setup, &wrong);
     }
     if (self->models == NULL || result == DG_ERR_SPACE) {
-        return hdl_fail(self, -1, "%s: no memory for what is in it", setup->file);
+        return hdl_fail(self, -1, "%s: no memory for its contents", setup->file);
     }
     if (result != DG_OK) {
         (void)lx_error_take(&error, &wrong);

@@ -154,7 +154,7 @@ def test_a_wait_in_two_pieces_is_seen(serve):
 @pytest.mark.parametrize("span", ["5", "-1S", "0S", "soon", "9000H"])
 def test_a_limit_is_a_span(span):
     line = run_refused(2, "ctl", f"--timeout={span}", "*IDN?")
-    assert line == f"drehgeber: --timeout {span}: expected 10S, 5MIN or 1H, for one; up to 8760H"
+    assert line == f"drehgeber: --timeout {span}: expected a span such as 10S, 5MIN or 1H; up to 8760H"
 
 
 # ---------------------------------------------------------------- which rig, and what is said to it

@@ -423,7 +423,7 @@ def test_remote_frames(tmp_path):
 
 
 FORGED = [
-    ("no recording", "?\n", 0, "no recording that is known"),
+    ("no recording", "?\n", 0, "not a known kind of recording"),
     ("no frame", "(1.0) can0 123#0\n", 15, "expected bytes of two hexadecimal digits"),
     ("too long", "(1.0) can0 123#" + "00" * 9 + "\n", 31, "expected 8 bytes at most"),
     ("no id", COMPACT + "(1.0) can0 12#00\n", len(COMPACT) + 11, "expected a CAN-ID"),
@@ -441,7 +441,7 @@ FORGED = [
 ]
 VCD = "$timescale 1 us $end\n$var wire 1 m MA $end\n$var wire 1 s SLO $end\n$enddefinitions $end\n"
 FORGED += [
-    ("time goes back", VCD + "#5\n0m\n#4\n", len(VCD) + 6, "expected one behind it"),
+    ("time goes back", VCD + "#5\n0m\n#4\n", len(VCD) + 6, "expected a later time"),
     ("no change", VCD + "#5\n?m\n", len(VCD) + 3, "expected #TIME, 0ID, 1ID"),
     ("a short change", VCD + "#5\nb01", len(VCD) + 6, "expected the ID of a signal"),
 ]

@@ -97,8 +97,8 @@ REFUSED = {
     "a byte of three digits": ("0.5 < 40 420\n", "9: no character"),
     "a byte with other letters": ("0.5 < 40 4G\n", "9: no character"),
     "no time in the second line": ("0.5 < 40\nlater < 42\n", "9: no time"),
-    "an empty file": ("", "0: no recording that is known"),
-    "blanks alone": (" \n \r\n", "0: no recording that is known"),
+    "an empty file": ("", "0: not a known kind of recording"),
+    "blanks alone": (" \n \r\n", "0: not a known kind of recording"),
 }
 VCD = "$timescale 1 us $end\n$var wire 1 m MA $end\n$var wire 1 s SLO $end\n$enddefinitions $end\n"
 BODY = len(VCD)

@@ -577,7 +577,7 @@ def test_a_trace_says_why_it_ends(tmp_path, start):
     assert len(said) == 1 and "t.vcd: File too large; the trace ends here" in said[0]
     encoder.limit_file_size(resource.RLIM_INFINITY)
     assert encoder.end() == 1
-    assert "is not whole: File too large" in encoder.errors.wait()
+    assert "is not complete: File too large" in encoder.errors.wait()
 
 
 # --- ends -----------------------------------------------------------------------------------------

@@ -313,7 +313,7 @@ def test_a_file_cut_off_while_running_is_made_whole(start, nvm):
     master.save_data(0, 0, b"before")
     os.truncate(nvm, 0)
     master.save_data(0, 6, b"after")
-    assert_one_line(encoder, str(nvm), "cut off to 0 bytes")
+    assert_one_line(encoder, str(nvm), "truncated to 0 bytes")
     encoder.end(signal.SIGKILL)
     assert patient_master(start("--nvm", nvm)).read_data(0, 0, 11) == b"beforeafter"
 

@@ -144,7 +144,7 @@ def test_a_folder_that_is_not_there(tmp_path):
 
 def test_two_of_a_name(folder, tmp_path):
     (tmp_path / "models" / "more.ini").write_text(LA26.replace("26 bit", "another"))
-    said = f"la26 is in both {tmp_path}/models/la26.ini and {tmp_path}/models/more.ini; expected it in one file"
+    said = f"la26 is in both {tmp_path}/models/la26.ini and {tmp_path}/models/more.ini; expected it in only one file"
     assert said in run_refused(2, "biss", "la26", "read", env=folder)
     ended = run("list", env=folder)
     assert "la26" not in ended.stdout and ended.stderr.count("\n") == 1 and said in ended.stderr

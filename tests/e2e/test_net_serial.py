@@ -348,7 +348,7 @@ def test_rig_file(tmp_path):
 @pytest.mark.parametrize("kind", KINDS)
 def test_open_is_said_once(start, kind):
     encoder = start(wire=[f"--rs485={kind.replace('127.0.0.1', '0.0.0.0')},open"])
-    assert_one_line(encoder, "beyond loopback; whoever reaches it is on this wire")
+    assert_one_line(encoder, "beyond loopback; every machine that reaches it is on this wire")
 
 
 @pytest.mark.parametrize("where, right", [

@@ -245,7 +245,7 @@ def test_an_end_that_waits_for_a_stuck_disk_says_so(start, nvm, tmp_path, disk):
     writer.start()
     time.sleep(SLOW_S / 2)
     encoder.process.terminate()
-    assert_one_line(encoder, str(nvm), "the disk is slow; the end waits")
+    assert_one_line(encoder, str(nvm), "the disk is slow; waiting until")
     assert encoder.process.poll() is None
     (tmp_path / "sticks").unlink()
     assert encoder.process.wait(PATIENCE_S) == 0

@@ -116,7 +116,7 @@ def test_one_that_dies_is_told_and_ends_it(crowd, encoder):
             return verify(model, wire.path, *parts(model)[0], status=1).stdout
 
     running = [crowd.pool.submit(ask, model, encoder(model)) for model in MODELS]
-    assert all("it ended early: the encoder was lost in the row" in one.result() for one in running)
+    assert all("it ended early: the encoder stopped answering in the row" in one.result() for one in running)
 
 
 # --- refusals -------------------------------------------------------------------------------------

@@ -125,7 +125,8 @@ def test_nodes_that_are_lost_end_it(change):
     with Node(change) as node:
         ended = verify(node, CLAUSE, "--quiet")
     assert ended.returncode == 1
-    assert re.search(r"^it ended early: the encoder was lost in the row '.+'$", ended.stdout, re.M), ended.stdout
+    line = r"^it ended early: the encoder stopped answering in the row '.+'$"
+    assert re.search(line, ended.stdout, re.M), ended.stdout
 
 
 def test_a_wrong_constant_is_told_in_every_form(tmp_path):
@@ -150,7 +151,7 @@ def test_who_is_not_alone_is_told(tmp_path):
     with Two() as node:
         ended = verify(node, CLAUSE, "--alone")
     assert (ended.returncode, ended.stdout) == (1, "")
-    assert ended.stderr.startswith("drehgeber: somebody else is on the bus: 585h was heard; ")
+    assert ended.stderr.startswith("drehgeber: another device is on the bus: 585h was received; ")
 
 
 def test_who_is_alone_is_left_as_it_was():
@@ -320,7 +321,7 @@ def test_clauses_of_ones_own(tmp_path, monkeypatch):
         ended = verify(node, "--junit", tmp_path / "junit.xml")
     assert ended.returncode == 0, ended.stdout
     for line in ("agrees   M1", "not seen M2: is about an encoder with other figures",
-                 "not seen M3: the manual says two things; see 'Inaccuracies and choices'",
+                 "not seen M3: the manual contradicts itself; see 'Inaccuracies and choices'",
                  "not seen M4: needs a shaft that is turned as the row says"):
         assert ended.stdout.count(f"\n{line}\n") == 2, ended.stdout
     assert ended.stdout.splitlines()[-1] == "2 clauses agree, 0 differ, 6 were not seen"

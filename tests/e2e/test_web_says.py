@@ -123,12 +123,12 @@ def test_who_said_too_much_goes_on_later(web):
             assert {page.message() for _ in range(499)} == {"1"}
 
 
-@pytest.mark.parametrize("options, does", [([], "steers"), (["--watch"], "sees")])
+@pytest.mark.parametrize("options, does", [([], "controls"), (["--watch"], "sees")])
 def test_beyond_loopback_it_says_who_may_what(rig, control, options, does):
     process = Process("web", control, "--listen", "0.0.0.0:0,open", *options)
     where = re.match(r"ready web http://(0\.0\.0\.0:\d+)/#token=", process.ready)[1]
-    assert process.end() == (0, [f"drehgeber: {where}: beyond loopback; who knows the token, which goes as plain text, "
-                                 f"{does} this rig"])
+    assert process.end() == (0, [f"drehgeber: {where}: beyond loopback; every client that knows the token, which is "
+                                 f"sent as plain text, {does} this rig"])
 
 
 def test_it_listens_where_it_is_told(rig, control):
@@ -140,5 +140,5 @@ def test_it_listens_where_it_is_told(rig, control):
     assert said == ("drehgeber: --listen 8080: expected HOST:PORT, e.g. 127.0.0.1:8080, or HOST:PORT,open beyond "
                     "loopback\n")
     said = run("web", control, "--listen", "0.0.0.0:0").stderr
-    assert said == ("drehgeber: --listen 0.0.0.0:0: beyond loopback, where anybody could try; use 0.0.0.0:0,open if "
-                    "you want that\n")
+    assert said == ("drehgeber: --listen 0.0.0.0:0: beyond loopback, where anybody could try to connect; use "
+                    "0.0.0.0:0,open if you want that\n")

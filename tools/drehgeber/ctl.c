@@ -404,7 +404,7 @@ static int take_limit(struct talk *self, const char *text, struct lx_error *erro
     if (virtual_time_span(self->limit_text, &self->limit) == 0) {
         return 0;
     }
-    (void)lx_refuse(error, "expected 10S, 5MIN or 1H, for one; up to 8760H", "%s", "");
+    (void)lx_refuse(error, "expected a span such as 10S, 5MIN or 1H; up to 8760H", "%s", "");
     return lx_about(error, LX_ABOUT_KEY, "timeout", text);
 }
 

@@ -205,7 +205,7 @@ int eds_explain(const char *path)
             print_named_line(&self, &self.lines[i]);
         }
     } else {
-        lx_complain("%s: no memory for what is in it", self.file->path);
+        lx_complain("%s: no memory for its contents", self.file->path);
     }
     free(self.names);
     free(self.lines);

@@ -117,7 +117,7 @@ static int read_objects(struct eds_file *self, struct lx_error *error)
         self->memory = malloc(self->memory_size);
         result = read_with(self, &wrong);
         if (self->memory == NULL) {
-            return lx_fail(error, "%s: no memory for what is in it", self->path);
+            return lx_fail(error, "%s: no memory for its contents", self->path);
         }
     }
     self->memory_size /= 2u;
@@ -184,7 +184,7 @@ static void tell_values(const struct eds_file *self, const struct lx_say *say)
         }
     }
     if (count > VALUES_TOLD) {
-        lx_words_add(&list, " and %u more, as 'drehgeber eds %s --explain' says",
+        lx_words_add(&list, " and %u more; 'drehgeber eds %s --explain' lists them",
                      count - VALUES_TOLD, self->path);
     }
     if (count > 0) {
@@ -204,7 +204,7 @@ void eds_file_tell(const struct eds_file *self, const struct lx_say *say)
         }
     }
     if (lacks > LACKS_TOLD) {
-        lx_note(say, "%s: %u more that its encoder does not do, as 'drehgeber check %s' says",
+        lx_note(say, "%s: %u more that its encoder does not do; 'drehgeber check %s' lists them",
                 self->path, lacks - LACKS_TOLD, self->path);
     }
 }
@@ -214,7 +214,7 @@ void eds_file_tell_plan(const struct dg_plan *plan, const struct lx_say *say)
     for (size_t i = 0; i < plan->model_file_count; i++) {
         const struct dg_plan_model_file *file = &plan->model_files[i];
         if (file->lacks > 0) {
-            lx_note(say, "%s: %u %s that its encoders do not do, as 'drehgeber check %s' says",
+            lx_note(say, "%s: %u %s that its encoders do not do; 'drehgeber check %s' lists them",
                     file->file, file->lacks, file->lacks == 1 ? "thing" : "things", file->file);
         }
     }

@@ -169,7 +169,7 @@ struct explain_source *explain_source_open(FILE *file, const char *path, struct 
     if (format == NULL) {
         (void)lx_refuse(
             error, "expected a candump log, pcapng, pcap, VCD, a session of sigrok or a serial log",
-            "%s:0: no recording that is known", path);
+            "%s:0: not a known kind of recording", path);
         return NULL;
     }
     struct explain_source *self = lx_allocate(format->size, "a recording", error);

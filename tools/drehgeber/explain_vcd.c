@@ -182,7 +182,7 @@ static int take_vcd_time(struct vcd *self, const char *token, size_t n, struct l
     const dg_ns at =
         self->step < 1000u ? value / (1000u / self->step) : value * (self->step / 1000u);
     if (at < self->levels.now) {
-        return refuse_vcd(self, token, "a time before the last one", "expected one behind it",
+        return refuse_vcd(self, token, "a time before the last one", "expected a later time",
                           error);
     }
     if (at > self->levels.now) {

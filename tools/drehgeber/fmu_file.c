@@ -76,7 +76,7 @@ static int find_folder(struct making *self)
     char path[4096 - sizeof DREHGEBER_FMU_FOLDER];
     const ssize_t n = readlink("/proc/self/exe", path, sizeof path - 1);
     if (n < 0) {
-        return lx_fail(&self->error, "cannot tell where this program is: %s", strerror(errno));
+        return lx_fail(&self->error, "cannot find out where this program is: %s", strerror(errno));
     }
     path[n] = '\0';
     const char *folder = dirname(path);
@@ -122,7 +122,7 @@ static int put_setting(struct making *self, struct dg_host *trial, const char *k
         return no_such(self, key, value);
     }
     if (result != DG_HOST_OK) {
-        (void)lx_refuse(&self->error, "'drehgeber help fmu MODEL' says", "%s",
+        (void)lx_refuse(&self->error, "'drehgeber help fmu MODEL' shows the ranges", "%s",
                         dg_host_result_text(result));
         return lx_about(&self->error, LX_ABOUT_SETTING, key, value);
     }
@@ -145,10 +145,10 @@ static int refuse_model(struct making *self, const struct dg_device *model, stru
     if (trial == NULL) {
         return lx_fail(&self->error, "no memory for an encoder");
     }
-    return fmu_can_have(trial)
-               ? 0
-               : lx_refuse(&self->error, "leave it out", "an FMU cannot have %s, which speaks %s",
-                           model->name, dg_host_protocol(trial));
+    return fmu_can_have(trial) ? 0
+                               : lx_refuse(&self->error, "leave it out",
+                                           "an FMU cannot have %s, whose protocol is %s",
+                                           model->name, dg_host_protocol(trial));
 }
 
 static int put_encoder_settings(struct making *self, const struct dg_plan_encoder *encoder,

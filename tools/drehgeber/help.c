@@ -21,7 +21,7 @@ const char help_motion[] =
     "  encoder is ready at time 0. A file has lines 'time_s,angle_deg'.\n";
 
 const char help_exit[] =
-    "0 after SIGTERM or SIGINT, 2 for a wrong command line or none, 1 for the rest.\n";
+    "0 after SIGTERM or SIGINT, 2 for a wrong or missing command line, 1 otherwise.\n";
 
 static const struct {
     const char *command;
@@ -68,8 +68,8 @@ static const struct {
     {"fmu", "Inputs of the FMU are shafts, faults and what encoders sense; settings are its\n"
             "parameters. Outputs are positions, signals, frames, and in FMI 3 also CAN\n"
             "(FMI-LS-BUS) and RS485 as clocked binaries. The FMU contains its sources.\n"
-            "All that a rig file says acts in its FMU, but for ports, traces and EEPROM\n"
-            "files: shafts that have no motion are inputs, and encoders on one bus share it.\n\n"
+            "Everything in a rig file acts in its FMU, except ports, traces and EEPROM\n"
+            "files. Shafts without a motion are inputs, and encoders on one bus share it.\n\n"
             "  drehgeber fmu s3684-biss --output axis.fmu\n"
             "  drehgeber fmu vendor.eds --output vendor.fmu\n"},
     {"verify", "WIRE is --tty, --pty or --rs485 for RS485, --can, --slcan or --socketcand for\n"
@@ -339,7 +339,7 @@ static void print_senses(const struct command_row *row, const struct lx_stack *s
     print_lines(lines);
     free(lines);
     if (row == NULL || row->wires) {
-        (void)fputs("  Over time: " DG_COURSE_FORM " in place of VALUE,\n"
+        (void)fputs("  Over time: " DG_COURSE_FORM " instead of VALUE,\n"
                     "  with lines time_s,VALUE.\n",
                     stdout);
     }
@@ -441,7 +441,7 @@ static void print_one(const struct options *options)
             print_factory();
         }
     } else if (uses(row, " set ")) {
-        (void)printf("\n KEY=VALUE: 'drehgeber %s MODEL --help' says those of a model\n",
+        (void)printf("\n KEY=VALUE: 'drehgeber %s MODEL --help' lists those of a model\n",
                      row->command == COMMAND_EXPLAIN ? "run" : row->name);
     }
 }

@@ -176,10 +176,10 @@ static void put_table(const struct dg_device *device, const struct dg_fault_targ
     int kind = -1;
     const int width = line_width();
     struct lx_words title = {""};
-    lx_words_add(&title, "What can happen to %s, what it does about it (and where that is said);",
+    lx_words_add(&title, "What can happen to %s, how it reacts (and where the manual says so);",
                  device->name);
     columns_put(title.text, 0, 0, width);
-    (void)puts("with an encoder that runs: drehgeber ctl 'FAUL:SET NAME', 'FAUL:CLE NAME'.");
+    (void)puts("in a running encoder: drehgeber ctl 'FAUL:SET NAME', 'FAUL:CLE NAME'.");
     for (size_t i = 0; dg_fault_entry(target, i, &entry); i++) {
         if ((int)entry.kind != kind) {
             (void)printf("\n%s:\n", kinds[entry.kind].title);

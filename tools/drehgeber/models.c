@@ -204,7 +204,7 @@ static void refuse_name(const struct model_file *list, const char *name, struct 
         wrong = wrong == NULL && is_unread(list) ? list : wrong;
     }
     if (wrong != NULL) {
-        (void)lx_refuse(error, "'drehgeber list' says which there are",
+        (void)lx_refuse(error, "'drehgeber list' prints all models",
                         "unknown model %s; not read: %s", name, lx_error_line(&wrong->unread).text);
     }
 }
@@ -218,7 +218,7 @@ const struct dg_plan_model *models_find(const struct model_file *list, const cha
         const bool has = find_in(file, name) != NULL;
         const struct model_file *rival = has ? models_rival(list, file, name) : NULL;
         if (rival != NULL && rival == found) {
-            (void)lx_refuse(error, "expected it in one file", "%s is in both %s and %s", name,
+            (void)lx_refuse(error, "expected it in only one file", "%s is in both %s and %s", name,
                             rival->path, file->path);
             return NULL;
         }

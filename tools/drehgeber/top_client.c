@@ -454,7 +454,7 @@ static bool take_answer_line(struct top_client *self, char *line)
     struct top_answer answer = {.at = line};
     const char *mark = top_answer_part(&answer);
     if (self->asked_count == 0 || strcmp(mark, MARK) != 0) {
-        hang_up(self, *mark == '\0' ? "that is no control plane" : mark);
+        hang_up(self, *mark == '\0' ? "that is not a control plane" : mark);
         return false;
     }
     const struct question question = self->asked[self->asked_first];

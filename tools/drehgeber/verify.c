@@ -32,11 +32,11 @@ static const struct {
     const char *text;
 } needs[] = {
     {CF_SHAFT, "a shaft that is turned as the row says"},
-    {CF_INSIDE, "a change, or a look, inside of the encoder, where no wire leads to"},
+    {CF_INSIDE, "a change, or a measurement, inside the encoder, which no wire can reach"},
     {CF_EXACT, "times or settings of the wire that this host cannot make exactly"},
     {CF_ALONE, "an encoder that is alone on its wire (--alone)"},
     {CF_WRITE, "to change the encoder and to change it back (--write)"},
-    {CF_ONE_WAY, "to change the encoder for good (--irreversible)"},
+    {CF_ONE_WAY, "to change the encoder permanently (--irreversible)"},
     {CF_POWER, "a supply that can be cut (--power)"},
     {CF_RING, "other encoders on its wire, or a wire that is cut"},
 };
@@ -70,7 +70,7 @@ static bool rehearse_answered(void *ctx, const struct cf_answer *answer, struct 
     struct rehearsal *self = ctx;
     self->takes += answer->earliest_ns;
     return same_unit(&answer->want, &answer->got) ||
-           cf_fail(report, "the model of this encoder answers otherwise");
+           cf_fail(report, "the model of this encoder answers differently");
 }
 
 /* A span that is shorter than a host may be late. */
@@ -360,7 +360,7 @@ static void run_row(struct verify *self, struct verify_suite *suite, size_t inde
     const struct cf_row *row = &suite->rows->rows[index];
     struct verify_row *to = &suite->results[index];
     if (!cites_asked(&self->result, row)) {
-        *to = make_row(VERIFY_NOT_SEEN, "was not asked for");
+        *to = make_row(VERIFY_NOT_SEEN, "was not requested");
         return;
     }
     if (self->result.lost[0] != '\0') {
@@ -370,7 +370,7 @@ static void run_row(struct verify *self, struct verify_suite *suite, size_t inde
     if (rehearse(self, suite->rows, row, to) && !attempt_row(self, suite->rows, row, to)) {
         if (self->result.lost[0] == '\0') {
             (void)snprintf(self->result.lost, sizeof self->result.lost,
-                           "the encoder was lost in the row '%s'", row->title);
+                           "the encoder stopped answering in the row '%s'", row->title);
         }
         if (to->outcome == VERIFY_LOST) {
             to->outcome = VERIFY_DIFFERS;
@@ -583,7 +583,7 @@ static int check_words(const struct verify_result *result, struct lx_error *erro
             }
         }
         if (found == 0) {
-            return lx_refuse(error, "expected the beginning of one, such as 5.1.2 or M12-7",
+            return lx_refuse(error, "expected a clause or its beginning, such as 5.1.2 or M12-7",
                              "no clause %s", result->words[i]);
         }
     }

@@ -29,7 +29,7 @@ bool verify_canopen_send_frame(struct canopen *self, const struct dg_can_frame *
 {
     self->request = *frame;
     if (verify_frames_send(&self->wire, frame) != 0) {
-        return verify_fail(&self->base, VERIFY_LOST, report, "the wire takes nothing any more");
+        return verify_fail(&self->base, VERIFY_LOST, report, "the wire accepts no more data");
     }
     self->base.since = lx_real_now();
     return true;
@@ -508,15 +508,16 @@ static int scan(struct verify_encoder *base, struct lx_error *error)
     for (uint16_t node = 1; node <= 127; node++) {
         frame.id = (uint16_t)(SDO_REQUEST + node);
         if (node != self->node && verify_frames_send(&self->wire, &frame) != 0) {
-            return lx_fail(error, "the wire takes nothing any more");
+            return lx_fail(error, "the wire accepts no more data");
         }
         verify_stream_sleep(lx_real_now() + DG_MS(2));
     }
     while (lx_real_now() < until) {
         const int result = verify_frames_receive(&self->wire, until, &frame);
         if (result < 0 || (result > 0 && (frame.id & 0x7Fu) != self->node)) {
-            return lx_refuse(error, "without --alone nobody else is disturbed",
-                             "somebody else is on the bus: %03Xh was heard", (unsigned)frame.id);
+            return lx_refuse(error, "without --alone, verify disturbs no other device",
+                             "another device is on the bus: %03Xh was received",
+                             (unsigned)frame.id);
         }
     }
     return 0;

@@ -306,11 +306,11 @@ static int load_written(const struct writing *self, char *texts[2], struct cf_su
 {
     const char *path = self->options->eds->path;
     if (self->count == 0) {
-        return lx_refuse(error, "expected the beginning of one, such as 1018", "%s: no such clause",
-                         path);
+        return lx_refuse(error, "expected a clause or its beginning, such as 1018",
+                         "%s: no such clause", path);
     }
     if (self->count > CF_CLAUSES_MAX || 2u * self->count > CF_LINES_MAX) {
-        return lx_refuse(error, "expected the beginning of some, such as 60",
+        return lx_refuse(error, "expected the beginning of fewer, such as 60",
                          "%s: %zu clauses are too many", path, self->count);
     }
     const bool loaded = cf_load_texts(suite, "eds", texts[0], texts[1]);

@@ -190,7 +190,7 @@ static int open_adapter(struct verify_frames *self, const char *where, struct lx
     }
     return verify_stream_send(&self->stream, beginning, sizeof beginning - 1u) == 0
                ? 0
-               : lx_fail(error, "%s: the adapter takes nothing", where);
+               : lx_fail(error, "%s: the adapter accepts no data", where);
 }
 
 /* @return false: another answer, or none */

@@ -51,7 +51,7 @@ static bool send_request(struct hiperface *self, const uint8_t *bytes, size_t n,
     self->request.n = n < sizeof self->request.bytes ? n : sizeof self->request.bytes;
     memcpy(self->request.bytes, bytes, self->request.n);
     if (verify_stream_send(&self->wire, bytes, n) != 0) {
-        return verify_fail(&self->base, VERIFY_LOST, report, "the wire takes nothing any more");
+        return verify_fail(&self->base, VERIFY_LOST, report, "the wire accepts no more data");
     }
     self->sent = lx_real_now() + bits(n * CHARACTER_BITS);
     self->quiet = self->sent;
@@ -270,7 +270,7 @@ static bool on_sent(void *ctx, const struct cf_unit *request, struct cf_report *
         const struct cf_unit came = {.bytes = bytes, .n = n > 0 ? (size_t)n : 0};
         (void)verify_print_unit(&came, text, sizeof text);
         return verify_fail(&self->base, n > 0 ? VERIFY_DIFFERS : VERIFY_LOST, report,
-                           "came without being asked, or behind an answer:%s", text);
+                           "received without a request, or after an answer:%s", text);
     }
     return send_request(self, request->bytes, request->n, report);
 }
@@ -412,7 +412,7 @@ static bool end(struct verify_encoder *base, struct cf_report *report)
 static int unanswered(const char *where, struct lx_error *error)
 {
     return lx_refuse(error, "expected the wire of an encoder with address 40h, at 9600 Bd 8E1",
-                     "%s: nobody answers as an encoder does", where);
+                     "%s: no encoder answers", where);
 }
 
 /* Serial number, version and date are of this encoder, its type is what there are clauses of. */
@@ -494,8 +494,8 @@ static int scan(struct verify_encoder *base, struct lx_error *error)
         return lx_fail(error, "%s", report.text);
     }
     return came.n == 0 ? 0
-                       : lx_refuse(error, "without --alone nobody else is disturbed",
-                                   "somebody else is on the wire: %02Xh was heard",
+                       : lx_refuse(error, "without --alone, verify disturbs no other device",
+                                   "another device is on the wire: %02Xh was received",
                                    (unsigned)came.bytes[0]);
 }
 

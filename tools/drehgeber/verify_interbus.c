@@ -51,7 +51,7 @@ static bool write_ring_out(struct interbus *self, uint32_t out, struct cf_report
         return self->model.profile == DG_IB_K3
                    ? lose_wire(self, report)
                    : verify_fail(&self->base, VERIFY_NOT_SEEN, report,
-                                 "needs a coupler that has OUT for an encoder without");
+                                 "needs a coupler with OUT words for an encoder that has none");
     }
     self->sent = lx_real_now();
     self->settled = false;
@@ -216,7 +216,7 @@ static bool report_word(struct interbus *self, uint32_t expected, uint32_t came,
 {
     if (kind_of_word(self, expected) == CONFIGURED && has_read_out(0, came)) {
         return verify_fail(&self->base, VERIFY_NOT_SEEN, report,
-                           "needs what %08lX reads as delivered", (unsigned long)self->command);
+                           "needs the value of %08lX as delivered", (unsigned long)self->command);
     }
     return verify_fail(&self->base, VERIFY_DIFFERS, report,
                        "sent %08lX; expected %08lX; came %08lX", (unsigned long)self->out,
@@ -269,7 +269,7 @@ static bool judge_id(struct interbus *self, const struct cf_answer *answer,
     const uint16_t expected = dg_load_be16(answer->got.bytes);
     if (!self->named) {
         return verify_fail(&self->base, VERIFY_NOT_SEEN, report,
-                           "needs a coupler that says the ID word of its devices");
+                           "needs a coupler that reports the ID words of its devices");
     }
     return self->id == expected ||
            verify_fail(&self->base, VERIFY_DIFFERS, report,
@@ -502,12 +502,12 @@ static int scan(struct verify_encoder *base, struct lx_error *error)
     struct interbus *self = of(base);
     uint16_t words = 0;
     if (!verify_coupler_ring(&self->wire, &words)) {
-        return lx_fail(error, "the coupler does not say how many words its ring has");
+        return lx_fail(error, "the coupler does not report how many words its ring has");
     }
     return words == self->wire.words
                ? 0
-               : lx_refuse(error, "without --alone nobody else is disturbed",
-                           "somebody else is in the ring: it has %u words", (unsigned)words);
+               : lx_refuse(error, "without --alone, verify disturbs no other device",
+                           "another device is in the ring: it has %u words", (unsigned)words);
 }
 
 static void close_encoder(struct verify_encoder *base)

@@ -26,7 +26,7 @@ static struct finding find_clause(const struct verify_suite *suite, size_t index
     found.outcome = verify_clause(suite, found.clause, &because);
     found.text = because != NULL && because->text != NULL ? because->text : "";
     if (found.clause->listed != NULL) {
-        found.text = "the manual says two things; see 'Inaccuracies and choices'";
+        found.text = "the manual contradicts itself; see 'Inaccuracies and choices'";
     }
     return found;
 }

@@ -68,7 +68,7 @@ int verify_stream_open(struct verify_stream *self, const char *where, const stru
     (void)fcntl(self->fd, F_SETFL, O_NONBLOCK);
     return !self->telnet || tell_setting(self, uart) == 0
                ? 0
-               : lx_fail(error, "%s: the port takes nothing", where);
+               : lx_fail(error, "%s: the port accepts no data", where);
 }
 
 static bool wait_for(int fd, short events, int limit_ms)

@@ -26,7 +26,7 @@ static int find_program(char *to, size_t size, struct lx_error *error)
     char self[PATH_MAX];
     const ssize_t n = readlink("/proc/self/exe", self, sizeof self - 1);
     if (n < 0) {
-        return lx_fail(error, "cannot tell where this program is: %s", strerror(errno));
+        return lx_fail(error, "cannot find out where this program is: %s", strerror(errno));
     }
     self[n] = '\0';
     const char *folder = dirname(self);

@@ -177,8 +177,8 @@ const char *lx_port_right(int reason)
 static int refuse_listening(const char *where, int reason, struct lx_error *error)
 {
     return reason == EPERM ? lx_fail(error,
-                                     "%s: beyond loopback, where anybody could steer; use %s,open "
-                                     "if you want that",
+                                     "%s: beyond loopback, where anybody could control it; use "
+                                     "%s,open if you want that",
                                      where, where)
                            : lx_refuse(error, lx_port_right(reason), "%s: cannot listen there: %s",
                                        where, strerror(reason));

@@ -190,7 +190,7 @@ static int open_wanted(struct lx_file *self, const struct lx_file_wanted *wanted
     }
     return reason != EEXIST
                ? refuse_below(wanted->folder, path, reason, error)
-               : lx_fail(error, "%.36s: there already, not to be replaced; expected a new name",
+               : lx_fail(error, "%.36s: exists, and is not to be replaced; expected a new name",
                          path);
 }
 

@@ -361,7 +361,7 @@ static int refuse_peers(const struct lx_peers_where *where, int reason, struct l
     lx_words_add(&right, "use %s%s%s,open if you want that", at, where->word[0] == '\0' ? "" : ",",
                  where->word);
     return reason == EPERM
-               ? lx_refuse(error, right.text, "beyond loopback, where anybody could take part")
+               ? lx_refuse(error, right.text, "beyond loopback, where anybody could connect")
                : lx_refuse(error, lx_port_right(reason), "cannot listen there: %s",
                            strerror(reason));
 }
@@ -376,8 +376,9 @@ static void tell_address(struct lx_peers *self)
     (void)snprintf(self->address + n, sizeof self->address - n, "%s%s", word[0] == '\0' ? "" : ",",
                    word);
     if (!lx_endpoint_is_loopback(self->listener)) {
-        lx_note(self->setup.say, "%s:%s: beyond loopback; whoever reaches it %s", self->setup.name,
-                self->address, self->setup.beyond != NULL ? self->setup.beyond : "is on this wire");
+        lx_note(self->setup.say, "%s:%s: beyond loopback; every machine that reaches it %s",
+                self->setup.name, self->address,
+                self->setup.beyond != NULL ? self->setup.beyond : "is on this wire");
     }
 }
 

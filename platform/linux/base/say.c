@@ -30,7 +30,8 @@ static void print_line(const char *before, const char *format, va_list arguments
         return;
     }
     if (left_out > 0) {
-        (void)fprintf(stderr, "drehgeber: %lu lines left out: nobody has read them\n", left_out);
+        (void)fprintf(stderr, "drehgeber: %lu lines left out, because they were not read\n",
+                      left_out);
         left_out = 0;
     }
     (void)fprintf(stderr, "%s%s\n", before, text);

@@ -32,7 +32,8 @@ static int clear_stale(const char *path, const struct sockaddr_un *address, stru
     }
     const int fd = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
     if (fd < 0) {
-        return lx_fail(error, "unix:%s: cannot look who listens there: %s", path, strerror(errno));
+        return lx_fail(error, "unix:%s: cannot find out which process listens there: %s", path,
+                       strerror(errno));
     }
     const bool dead = connect(fd, (const struct sockaddr *)address, sizeof *address) != 0 &&
                       errno == ECONNREFUSED;

@@ -36,7 +36,7 @@ static void close_gone_lines(struct lx_gpio *self, int reason)
         return;
     }
     self->has_gone = true;
-    lx_complain("%s: gone (%s); it is looked for until it is back", self->setup.name,
+    lx_complain("%s: gone (%s); looking for it until it is back", self->setup.name,
                 strerror(-reason));
     self->setup.gone(self->setup.ctx);
 }

@@ -83,7 +83,7 @@ static int open_store(struct lx_ring_store *self, const struct lx_ring_setup *se
         .ctx = setup->ctx,
     };
     if (self->path != NULL && !has_own_memory(self)) {
-        (void)lx_refuse(error, "leave it out, or have a K3", "K1 and K2 have no EEPROM");
+        (void)lx_refuse(error, "leave it out, or use a K3", "K1 and K2 have no EEPROM");
         return lx_about(error, LX_ABOUT_KEY, "nvm", self->path);
     }
     return lx_image_open(&self->image, &image, error);

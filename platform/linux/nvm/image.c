@@ -180,7 +180,8 @@ static int check_serial(const struct lx_image_part *self, struct dg_store *store
 static int finish_image(struct lx_image_part *self, struct lx_error *error)
 {
     struct lx_image *image = self->image;
-    lx_note(image->setup.say, "%s: NVM:ERASe was interrupted, and is ended now", image->setup.path);
+    lx_note(image->setup.say, "%s: NVM:ERASe was interrupted, and is completed now",
+            image->setup.path);
     image->finished = true;
     return self->stack->format(&self->device) == DG_OK ? 0 : no_encoder(self, error);
 }

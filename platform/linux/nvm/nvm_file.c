@@ -82,8 +82,8 @@ static void look_at_length(struct lx_nvm_file *self, const struct stat *own)
 {
     if (own->st_size < (off_t)self->length && !self->suspect) {
         self->suspect = true;
-        lx_complain("%s: cut off to %lld bytes while in use; it is written again whole", self->path,
-                    (long long)own->st_size);
+        lx_complain("%s: truncated to %lld bytes while in use; the whole file is written again",
+                    self->path, (long long)own->st_size);
     }
 }
 
@@ -287,7 +287,7 @@ static int refuse_creation(const struct lx_nvm_file *self, int reason, struct lx
     }
     return lx_fail(error,
                    "%s: cannot create: this file system has neither hard links nor a rename that "
-                   "spares what is there; make the file on another one and copy it here",
+                   "keeps an existing file; make the file on another one and copy it here",
                    self->path);
 }
 
@@ -343,7 +343,7 @@ int lx_nvm_file_replace(struct lx_nvm_file *self, const uint8_t *bytes, struct l
         if (fd >= 0) {
             (void)close(fd);
         }
-        return lx_fail(error, "%s: cannot write it anew: %s", self->path, strerror(reason));
+        return lx_fail(error, "%s: cannot write it again: %s", self->path, strerror(reason));
     }
     (void)close(self->fd);
     self->fd = fd;
@@ -356,13 +356,13 @@ int lx_nvm_file_replace(struct lx_nvm_file *self, const uint8_t *bytes, struct l
 void lx_nvm_file_tell(const struct lx_nvm_file *self, uint32_t image, const struct lx_say *say)
 {
     if (self->length < image) {
-        lx_note(say, "%s: cut off, %lu of %lu bytes; what is missing reads FFh", self->path,
+        lx_note(say, "%s: truncated, %lu of %lu bytes; missing bytes read FFh", self->path,
                 (unsigned long)self->length, (unsigned long)image);
     }
     if (image < self->size) {
         lx_note(
             say,
-            "%s: of an earlier release, which will not take it any more: grows from %lu to %lu bytes",
+            "%s: from an earlier release, which can no longer open it: grows from %lu to %lu bytes",
             self->path, (unsigned long)image, (unsigned long)self->size);
     }
 }

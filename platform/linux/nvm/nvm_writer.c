@@ -574,7 +574,7 @@ static void wait_for_end(const struct lx_nvm_queue *self)
         late = pthread_cond_timedwait(&writer->progress, &writer->lock, &patience) == ETIMEDOUT;
     }
     if (self->lined_up) {
-        lx_complain("%s: the disk is slow; the end waits until what was written is durable",
+        lx_complain("%s: the disk is slow; waiting until the written data is durable",
                     self->setup.path);
     }
     while (self->lined_up) {

@@ -163,7 +163,7 @@ static int read_plan(struct dg_plan *self, struct dg_plan_setup *setup, struct l
         setup->memory = malloc(size);
         setup->memory_size = size;
         if (setup->memory == NULL) {
-            return lx_fail(error, "%s: no memory for what is in it", setup->file);
+            return lx_fail(error, "%s: no memory for its contents", setup->file);
         }
         result = dg_plan_read(self, setup, &wrong);
         if (result == 0 && (size_t)(self->end - self->at) < MEMORY_SPARE) {

@@ -163,9 +163,9 @@ static enum lx_rig_result make_rig(struct lx_rig *self, struct lx_error *error)
 static void tell_stall(const struct lx_rig *self, dg_ns by)
 {
     if (by == DG_NEVER) {
-        lx_note(self->setup.say, "stopped and continued: what came meanwhile is answered late");
+        lx_note(self->setup.say, "stopped and continued: requests of that time are answered late");
     } else {
-        lx_note(self->setup.say, "held up for %llu ms: what came meanwhile is answered late",
+        lx_note(self->setup.say, "held up for %llu ms: requests of that time are answered late",
                 (unsigned long long)(by / DG_MS(1)));
     }
 }

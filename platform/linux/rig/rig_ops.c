@@ -383,7 +383,7 @@ static int set_scale(struct dg_rig *control, uint32_t permille, char *detail)
     struct lx_rig *self = lx_rig_of(control);
     if (!simulated(self)) {
         return refuse_command(DG_SCPI_CONFLICT, detail,
-                              "a wire of this rig runs in real time; only sim wires need not");
+                              "a wire of this rig runs in real time; expected only sim wires");
     }
     const dg_ns now = lx_clock_now(&self->clock);
     self->clock = (struct lx_clock){.real = lx_now(), .virtual_ = now, .permille = permille};

@@ -78,7 +78,7 @@ static void tell_mixed(struct lx_rig_wire *self)
         .kind = DG_TAP_NOTE,
         .ours = true,
         .severity = DG_SEVERITY_NOTICE,
-        .note = "encoders of several protocols: what goes over this wire is not told in words",
+        .note = "encoders of several protocols: the data on this wire is not shown in words",
     };
     if (lx_rig_mixed(self)) {
         dg_words_event(&self->words, &event);

@@ -459,9 +459,10 @@ void lx_server_wake(struct lx_server *self)
 void lx_server_warn(const struct lx_server *self)
 {
     if (self != NULL && !lx_endpoint_is_loopback(self->listener)) {
-        lx_complain("%s: beyond loopback; %s steers this rig", self->where,
-                    self->token[0] == '\0' ? "whoever reaches it"
-                                           : "whoever knows the token, which goes as plain text,");
+        lx_complain("%s: beyond loopback; %s controls this rig", self->where,
+                    self->token[0] == '\0' ? "every machine that reaches it"
+                                           : "every client that knows the token, which is sent "
+                                             "as plain text,");
     }
 }
 

@@ -26,7 +26,7 @@ static const struct lx_trace_format *find_format(const char *path, const struct 
 {
     struct lx_words right = {""};
     if (kind->formats[0] == NULL) {
-        (void)lx_fail(error, "%s: what goes over %s cannot be traced", path, kind->title);
+        (void)lx_fail(error, "%s: the data on %s cannot be traced", path, kind->title);
         return NULL;
     }
     for (size_t i = 0; kind->formats[i] != NULL; i++) {
@@ -193,8 +193,8 @@ int lx_trace_close(struct lx_trace *self, struct lx_error *error)
     }
     self->file = NULL;
     if (!self->good) {
-        result =
-            lx_fail(error, "the trace '%s' is not whole: %s", self->path, strerror(self->reason));
+        result = lx_fail(error, "the trace '%s' is not complete: %s", self->path,
+                         strerror(self->reason));
     }
     discard_trace(self);
     return result;

@@ -116,7 +116,7 @@ static void close_gone_port(struct lx_serial *self, int reason)
     const bool lasting = self->ops->lasting == NULL || self->ops->lasting(self);
     lx_complain("%s: gone (%s); %s", self->address, reason == 0 ? "hung up" : strerror(reason),
                 lasting ? self->ops->again
-                        : "its name may be given to any other pty, so start again");
+                        : "the system may give its name to another pty, so start again");
     shut_port(self);
     if (lasting) {
         lx_timer_at(&self->reopen, dg_after(lx_now(), REOPEN));

@@ -224,7 +224,7 @@ static int on_standstill(sd_event_source *source, uint64_t usec, void *ctx)
     struct lx_silkit *self = ctx;
     (void)usec;
     if (!self->stepping) {
-        give_up(self, "nobody lets time go on any more");
+        give_up(self, "no participant advances the time any more");
         return 0;
     }
     (void)sd_event_source_set_time_relative(source, STANDSTILL_US);
@@ -239,7 +239,9 @@ static void note_gone(struct lx_silkit *self, const char *name)
     } else if (coordinated && !self->heard) {
         give_up(self, "the registry has gone before the simulation has begun");
     } else {
-        lx_note(self->say, "SIL Kit: the registry has gone; who is here goes on, nobody can join");
+        lx_note(self->say,
+                "SIL Kit: the registry has gone; present participants continue, no other "
+                "can join");
     }
     if (coordinated && self->begun && self->standstill == NULL) {
         self->grace = GRACE;
@@ -288,7 +290,7 @@ static void take_messages(struct lx_silkit *self)
 {
     const uint64_t lost = lx_silkit_inbox_take(&self->inbox, &self->came);
     if (lost > self->lost) {
-        lx_complain("SIL Kit: %llu messages are lost, more came than were handled",
+        lx_complain("SIL Kit: %llu messages are lost, because more came than the rig handled",
                     (unsigned long long)(lost - self->lost));
         self->lost = lost;
     }
@@ -480,8 +482,8 @@ static void write_configuration(const struct lx_silkit *self, char to[CONFIGURAT
 static void warn_beyond_loopback(const struct lx_silkit *self)
 {
     if (!lx_silkit_is_loopback(&self->where)) {
-        lx_complain("%s: beyond loopback; whoever reaches the ports of %s turns its shafts and "
-                    "is on its wires",
+        lx_complain("%s: beyond loopback; every machine that reaches the ports of %s can turn its "
+                    "shafts and is on its wires",
                     self->where.uri, lx_silkit_name(self));
     }
 }

@@ -140,8 +140,8 @@ static void note_refused(struct lx_silkit_port *self, const struct lx_silkit_mes
         (void)snprintf(right.text, sizeof right.text, "%s%zu", one ? "" : "at most ",
                        self->length_max);
     }
-    lx_complain("SIL Kit: %s: a message of %lu bytes is left out, as are more such ones; expected "
-                "%s",
+    lx_complain("SIL Kit: %s: a message of %lu bytes is ignored, and so are all others of a wrong "
+                "length; expected %s",
                 self->topic, (unsigned long)message->id, right.text);
 }
 

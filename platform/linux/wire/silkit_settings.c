@@ -75,7 +75,7 @@ bool lx_silkit_is_loopback(const struct lx_silkit_where *self)
 static int refuse_another(const char *first, const char *what, struct lx_error *error)
 {
     struct lx_words right = {""};
-    lx_words_add(&right, "expected %s, as at the first silkit wire", first);
+    lx_words_add(&right, "expected %s, as for the first silkit wire", first);
     return lx_refuse(error, right.text, "a rig has one %s", what);
 }
 

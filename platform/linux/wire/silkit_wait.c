@@ -54,10 +54,9 @@ static int leave_behind(struct waiting *self, pthread_t thread, struct lx_error 
     atomic_store(&left_behind, true);
     (void)pthread_detach(thread);
     return lx_ending_asked()
-               ? lx_fail(error, "SIL Kit: %s: ended before it was there", self->call.name)
+               ? lx_fail(error, "SIL Kit: %s: stopped before it was complete", self->call.name)
                : lx_refuse(error, "expected a running registry and running participants",
-                           "SIL Kit: %s: nobody has answered for %u s", self->call.name,
-                           WAIT_MS / 1000u);
+                           "SIL Kit: %s: no answer for %u s", self->call.name, WAIT_MS / 1000u);
 }
 
 static int finish_call(struct waiting *self, struct lx_silkit_call *call, struct lx_error *error)

@@ -250,17 +250,17 @@ def test_what_it_does_not_do_is_said_at_the_start(tmp_path, vendor):
     assert run("run", vendor, *live).stderr == f"drehgeber: {vendor}: values only: 2000h\n"
     vendor.write_text(vendor.read_text() + many + odd)
     told = run("run", vendor, *live).stderr.replace(str(vendor), "x.eds").splitlines()
-    assert told[0] == ("drehgeber: x.eds: values only: 2000h 3000h 3001h 3002h 3003h 3004h 3005h 3006h and 25 more, "
-                       "as 'drehgeber eds x.eds --explain' says")
+    assert told[0] == ("drehgeber: x.eds: values only: 2000h 3000h 3001h 3002h 3003h 3004h 3005h 3006h and 25 more; "
+                       "'drehgeber eds x.eds --explain' lists them")
     assert [re.sub(r":\d+:", ":", line) for line in told[1:4]] == [
         f"drehgeber: x.eds: [{index}] DataType is left out: it has no such type; expected a data type of CiA 301, 0x1 to 0x1B"
         for index in (4000, 4001, 4002)]
-    assert told[4:] == ["drehgeber: x.eds: 2 more that its encoder does not do, as 'drehgeber check x.eds' says"]
+    assert told[4:] == ["drehgeber: x.eds: 2 more that its encoder does not do; 'drehgeber check x.eds' lists them"]
     assert run("run", vendor, *live, "--quiet").stderr == ""
     (tmp_path / "bench.ini").write_text("[bus b]\nwire = slcan\n[encoder a]\nmodel = vendor.eds\nbus = b\nnode = 1..3\n")
     told = run("run", tmp_path / "bench.ini", "--time", "virtual:1MS").stderr
-    assert told.replace(f"{tmp_path}/", "") == ("drehgeber: vendor.eds: 5 things that its encoders do not do, as "
-                                                "'drehgeber check vendor.eds' says\n")
+    assert told.replace(f"{tmp_path}/", "") == ("drehgeber: vendor.eds: 5 things that its encoders do not do; "
+                                                "'drehgeber check vendor.eds' lists them\n")
 
 
 def test_a_file_comes_by_stdin(tmp_path):

@@ -332,7 +332,7 @@ def test_refusals_say_what_is_right(wire, right):
 @pytest.mark.parametrize("wire", ["slcan=tcp:0.0.0.0:0,open", "socketcand=0.0.0.0:0,open"])
 def test_open_is_said_once(start, wire):
     one = start(wire)
-    assert_one_line(one.encoder, "beyond loopback; whoever reaches it is on this wire")
+    assert_one_line(one.encoder, "beyond loopback; every machine that reaches it is on this wire")
     assert one.answered(one.bus()).data[0] == 0x43
 
 

@@ -73,12 +73,12 @@ def test_only_a_can_bus_has_frames():
 
 
 @pytest.mark.parametrize("buses, said", [
-    ((f"{NOBODY},A", "silkit://127.0.0.1:10,B"), f"a rig has one registry; expected {NOBODY}, as at the first silkit wire"),
-    ((f"{NOBODY},A,p", f"{NOBODY},B,q"), "a rig has one participant; expected p, as at the first silkit wire"),
-    ((f"{NOBODY},A", f"{NOBODY},B\ntime = real"), "a rig has one time; expected coordinated, as at the first silkit wire"),
-    ((f"{NOBODY},A\nstep_us = 5", f"{NOBODY},B\nstep_us = 6"), "a rig has one step; expected step_us=5, as at the first silkit wire"),
+    ((f"{NOBODY},A", "silkit://127.0.0.1:10,B"), f"a rig has one registry; expected {NOBODY}, as for the first silkit wire"),
+    ((f"{NOBODY},A,p", f"{NOBODY},B,q"), "a rig has one participant; expected p, as for the first silkit wire"),
+    ((f"{NOBODY},A", f"{NOBODY},B\ntime = real"), "a rig has one time; expected coordinated, as for the first silkit wire"),
+    ((f"{NOBODY},A\nstep_us = 5", f"{NOBODY},B\nstep_us = 6"), "a rig has one step; expected step_us=5, as for the first silkit wire"),
     ((f"{NOBODY},A\naggregate = 0", f"{NOBODY},B\naggregate = 1"),
-     "a rig has one way of sending; expected aggregate=0, as at the first silkit wire"),
+     "a rig has one way of sending; expected aggregate=0, as for the first silkit wire"),
     ((f"{NOBODY},A", f"{NOBODY},A"), "is the wire in line 1 already"),
 ])
 def test_wires_of_a_rig_are_in_one_simulation(tmp_path, buses, said):
@@ -189,7 +189,7 @@ def test_a_registry_that_goes_later_is_not_missed(registry, rig, join):
     program, master, seen = started(registry, rig, join)
     registry.end()
     assert program.errors.wait(PATIENCE_S) == \
-        "drehgeber: SIL Kit: the registry has gone; who is here goes on, nobody can join"
+        "drehgeber: SIL Kit: the registry has gone; present participants continue, no other can join"
     now = seen[-1]
     master.until(lambda: seen[-1] > now + 100 * STEP_NS)
     assert program.end() == 0
@@ -219,4 +219,4 @@ def test_a_master_that_dies_is_missed(registry, rig):
         master.stdout.close()
     assert program.wait() == 1
     assert program.errors.so_far() == ["drehgeber: SIL Kit: master has left the simulation",
-                                       "drehgeber: SIL Kit: nobody lets time go on any more"]
+                                       "drehgeber: SIL Kit: no participant advances the time any more"]

@@ -124,7 +124,7 @@ def test_what_is_no_packed_frames_is_said_once(registry, tmp_path, rig, join, me
     master.wait()
     assert program.wait() == 0
     assert program.errors.so_far() == [
-        f"drehgeber: SIL Kit: CAN1/frames/to: a message of {len(message)} bytes is left out, as are more such ones; "
+        f"drehgeber: SIL Kit: CAN1/frames/to: a message of {len(message)} bytes is ignored, and so are all others of a wrong length; "
         "expected packed frames", "drehgeber: SIL Kit: the simulation has ended"]
 
 

@@ -182,7 +182,7 @@ def test_a_wire_of_its_own_is_told_in_its_words(start, tmp_path):
 def test_a_mixed_wire_is_not_told_in_the_words_of_one(rig, tmp_path):
     client = rig.client()
     client.do("INST:SEL s36")
-    assert client.ask("TRAC:LAST? 3").endswith('several protocols: what goes over this wire is not told in words"')
+    assert client.ask("TRAC:LAST? 3").endswith('several protocols: the data on this wire is not shown in words"')
     assert ask(tmp_path / "line", b"\x02") == QUARTER
     assert client.ask("TRAC:LAST? 3").count('"') == 2
     client.do("INST:SEL ten")

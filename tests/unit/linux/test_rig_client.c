@@ -165,7 +165,7 @@ static void real_wires_have_real_time(void **state)
     (void)state;
     refuses(
         rig, "TIME:SCAL 0",
-        "-221,\"Settings conflict;a wire of this rig runs in real time; only sim wires need not\"");
+        "-221,\"Settings conflict;a wire of this rig runs in real time; expected only sim wires\"");
     refuses(rig, "TIME:STEP 1S",
             "-221,\"Settings conflict;time is not stopped; TIME:SCALe 0 first\"");
     close_rig(rig);

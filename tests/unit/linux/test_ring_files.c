@@ -190,7 +190,7 @@ static void a_ring_says_what_it_answers_without_its_memory(void **state)
 static void is_not_replaced(struct bench *self, struct lx_nvm_file *file, const char *reason)
 {
     char expected[160];
-    (void)snprintf(expected, sizeof expected, "%s: cannot write it anew: %s", self->path, reason);
+    (void)snprintf(expected, sizeof expected, "%s: cannot write it again: %s", self->path, reason);
     self->error = (struct lx_error){.what = ""};
     assert_int_equal(lx_nvm_file_replace(file, self->bytes, &self->error), -1);
     assert_string_equal(self->error.what, expected);

@@ -124,8 +124,8 @@ static void lines_that_nobody_reads_are_counted(void **state)
     lx_print("three");
     empty_stderr(&self);
     complain_elsewhere("four");
-    assert_string_equal(heard(&self),
-                        "drehgeber: 3 lines left out: nobody has read them\ndrehgeber: four\n");
+    assert_string_equal(
+        heard(&self), "drehgeber: 3 lines left out, because they were not read\ndrehgeber: four\n");
     lx_complain("five");
     assert_string_equal(heard(&self), "drehgeber: five\n");
     give_stderr(&self);

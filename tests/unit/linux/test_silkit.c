@@ -548,7 +548,7 @@ static void a_signal_ends_a_start_that_hangs(void **state)
     assert_int_equal(raise(SIGTERM), 0);
     open_bench(&bench, "", NULL);
     assert_int_equal(bench.result, LX_RIG_WORLD);
-    assert_non_null(strstr(lx_error_line(&bench.error).text, "ended before it was there"));
+    assert_non_null(strstr(lx_error_line(&bench.error).text, "stopped before it was complete"));
     assert_true(lx_silkit_is_left_behind());
     receive(&bench, MS, 0x80, 0, "", 0); /* to nobody */
     close_bench(&bench);

@@ -146,7 +146,7 @@ static void what_has_no_format_is_refused(void **state)
 {
     static const struct lx_trace_kind kind = {.title = "a wire of your own"};
     static const struct lx_stack stack = {.trace = &kind};
-    static const char says[] = "a.vcd: what goes over a wire of your own cannot be traced";
+    static const char says[] = "a.vcd: the data on a wire of your own cannot be traced";
     struct place *place = *state;
     assert_int_equal(lx_trace_fits("a.vcd", &kind, &place->error), -1);
     assert_string_equal(lx_error_line(&place->error).text, says);
@@ -194,7 +194,7 @@ static void a_full_disk_is_seen_at_once_or_at_the_end(void **state)
     tell_frame(place, DG_MS(10), true, (struct dg_can_frame){.id = 1});
     assert_int_equal(lx_trace_close(trace, &place->error), -1);
     assert_non_null(
-        strstr(lx_error_line(&place->error).text, "not whole: No space left on device"));
+        strstr(lx_error_line(&place->error).text, "not complete: No space left on device"));
 }
 
 /* What was written stays. */

@@ -75,7 +75,7 @@ static bool is_replaced(struct place *self, const struct lx_folder *folder,
         assert_int_equal(lx_trace_close(trace, &self->error), 0);
         return true;
     }
-    assert_non_null(strstr(lx_error_line(&self->error).text, "there already, not to be replaced"));
+    assert_non_null(strstr(lx_error_line(&self->error).text, "exists, and is not to be replaced"));
     read_file(self);
     assert_true(self->length == n && memcmp(self->text, bytes, n) == 0);
     return false;

@@ -44,9 +44,9 @@ static int tell_address(const struct web_server *server, const char *token)
 {
     const bool open = web_server_is_open(server);
     if (open) {
-        lx_complain("%s: beyond loopback; who knows the token, which goes as plain text, %s this "
-                    "rig",
-                    web_server_address(server), web_server_watches(server) ? "sees" : "steers");
+        lx_complain("%s: beyond loopback; every client that knows the token, which is sent as "
+                    "plain text, %s this rig",
+                    web_server_address(server), web_server_watches(server) ? "sees" : "controls");
     }
     (void)printf("ready web http://%s/%s%s\n", web_server_address(server),
                  token == NULL ? "" : "#token=", token == NULL ? "" : token);

@@ -435,10 +435,11 @@ static int start_listening(struct web_server *self, struct lx_error *error)
     self->listener =
         lx_tcp_listen(&at, self->setup.where.open ? LX_ENDPOINT_ANY : LX_ENDPOINT_LOOPBACK);
     if (self->listener < 0 && errno == EPERM) {
-        return lx_fail(error,
-                       "--listen %s: beyond loopback, where anybody could try; use %s,open if you "
-                       "want that",
-                       text, text);
+        return lx_fail(
+            error,
+            "--listen %s: beyond loopback, where anybody could try to connect; use %s,open "
+            "if you want that",
+            text, text);
     }
     if (self->listener < 0) {
         return lx_fail(error, "--listen %s: cannot listen there: %s%s", text, strerror(errno),
