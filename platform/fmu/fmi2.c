@@ -23,7 +23,7 @@ struct instance {
     const struct callbacks *callbacks;
 };
 
-static void tell(const struct fmi *of, const char *text)
+static void log_text(const struct fmi *of, const char *text)
 {
     const struct instance *self = (const struct instance *)of;
     if (self->callbacks != NULL && self->callbacks->log != NULL) {
@@ -58,7 +58,7 @@ FMI_FUNCTION(void *, fmi2Instantiate,
         return NULL;
     }
     self->callbacks = callbacks;
-    self->fmi.tell = tell;
+    self->fmi.tell = log_text;
     return fmi_begin(&self->fmi, token, resources);
 }
 

@@ -16,7 +16,7 @@ struct instance {
     bool events, early;
 };
 
-static void tell(const struct fmi *of, const char *text)
+static void log_text(const struct fmi *of, const char *text)
 {
     const struct instance *self = (const struct instance *)of;
     if (self->log != NULL) {
@@ -49,7 +49,7 @@ FMI_FUNCTION(void *, fmi3InstantiateCoSimulation,
     self->environment = environment;
     self->events = events;
     self->early = early && events;
-    self->fmi.tell = tell;
+    self->fmi.tell = log_text;
     if (fmi_begin(&self->fmi, token, resources) == NULL) {
         return NULL;
     }

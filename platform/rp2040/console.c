@@ -65,7 +65,7 @@ static const char *wire(struct dg_rig *rig, const struct dg_encoder *of)
     return port_name;
 }
 
-static void look(struct dg_rig *rig, struct dg_encoder *of, dg_ns now)
+static void look_at_encoder(struct dg_rig *rig, struct dg_encoder *of, dg_ns now)
 {
     (void)rig;
     (void)of;
@@ -108,7 +108,7 @@ static const struct dg_rig_ops ops = {.changed = changed,
                                       .wire = wire,
                                       .profile = profile,
                                       .profile_text = profile_text,
-                                      .look = look};
+                                      .look = look_at_encoder};
 static struct dg_rig rig = {.encoders = encoders,
                             .encoder_count = 1,
                             .shafts = shafts,
@@ -117,7 +117,7 @@ static struct dg_rig rig = {.encoders = encoders,
                             .instrument_count = 1,
                             .ops = &ops};
 
-static void put(void *ctx, const char *bytes, size_t n)
+static void put_answer(void *ctx, const char *bytes, size_t n)
 {
     (void)ctx;
     for (size_t i = 0; i < n; i++) {
@@ -143,7 +143,7 @@ void console_start(const struct dg_device *model, const struct dg_instrument *in
                                   .world = &world,
                                   .shaft = &shaft,
                                   .nvm = nvm};
-    dg_control_init(&control, &rig, put, NULL);
+    dg_control_init(&control, &rig, put_answer, NULL);
     board_pin(PIN_TX, BOARD_UART);
     board_pin(PIN_RX, BOARD_UART);
     REG(UART0 + UART_IBRD) = divisor >> 6;

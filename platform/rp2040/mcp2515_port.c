@@ -32,7 +32,7 @@ static struct dg_co_node *port_node(void)
 }
 
 /* What does not fit is lost, as on a bus that nobody is on. */
-static void send(void *ctx, const struct dg_can_frame *frame)
+static void send_frame(void *ctx, const struct dg_can_frame *frame)
 {
     (void)ctx;
     if (out_head - out_tail < OUT_MAX) {
@@ -46,7 +46,7 @@ static void set_bit_rate(void *ctx, uint16_t rate)
     kbaud = rate;
 }
 
-static const struct dg_co_ops ops = {.send = send, .bit_rate = set_bit_rate};
+static const struct dg_co_ops ops = {.send = send_frame, .bit_rate = set_bit_rate};
 const void *const port_ops = &ops;
 const char *const port_name = "mcp2515:16-20";
 

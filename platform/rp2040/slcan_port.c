@@ -76,7 +76,7 @@ static bool open_here(void)
     return adapter.state != DG_SLCAN_CLOSED && (adapter.kbaud == 0 || adapter.kbaud == kbaud);
 }
 
-static void send(void *ctx, const struct dg_can_frame *frame)
+static void send_frame(void *ctx, const struct dg_can_frame *frame)
 {
     char text[DG_SLCAN_TEXT_MAX + 1u];
 
@@ -93,7 +93,7 @@ static void set_bit_rate(void *ctx, uint16_t rate)
     kbaud = rate;
 }
 
-static const struct dg_co_ops ops = {.send = send, .bit_rate = set_bit_rate};
+static const struct dg_co_ops ops = {.send = send_frame, .bit_rate = set_bit_rate};
 const void *const port_ops = &ops;
 const char *const port_name = "slcan:8,9";
 

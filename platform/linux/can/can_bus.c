@@ -3,8 +3,8 @@
  * The bus in the library says what is next, this file makes it happen:
  *
  *   wire ---- on_frame -----> dg_bus_rx()
- *   wire ---- on_bus -------> dg_bus_frames_controller()   behind each of them settle()
- *   timer --- settle -------> dg_bus_step()
+ *   wire ---- on_bus -------> dg_bus_frames_controller()   behind each of them settle_bus()
+ *   timer --- settle_bus ---> dg_bus_step()
  *                                  \-- send_frame --> wire
  *
  * Who comes late does what is due at the moment he comes: no frame has begun before.
@@ -145,7 +145,7 @@ static void arm_timer(struct lx_can_bus *self, dg_ns now)
     lx_timer_at(&self->timer, self->due);
 }
 
-static void settle(void *ctx, dg_ns now)
+static void settle_bus(void *ctx, dg_ns now)
 {
     struct lx_can_bus *self = ctx;
     lx_bus_serve(&self->bus, self->promised, now);
@@ -202,10 +202,10 @@ static int open_wire(struct lx_can_bus *self, struct lx_error *error)
         .rx = on_frame,
         .foreign = on_foreign,
         .bus = on_bus,
-        .settle = settle,
+        .settle = settle_bus,
         .ctx = self,
     };
-    if (lx_timer_make(&self->timer, setup->event, settle, self, error) != 0) {
+    if (lx_timer_make(&self->timer, setup->event, settle_bus, self, error) != 0) {
         return -1;
     }
     self->can = setup->door->open_can(&can, error);
@@ -239,7 +239,7 @@ static int open_bus(struct lx_bus *bus, dg_ns now, struct lx_error *error)
     for (size_t i = 0; i < bus->setup.count; i++) {
         self->due = dg_bus_changed(self->bus.core, i, now);
     }
-    settle(self, now);
+    settle_bus(self, now);
     dg_bus_load_begin(&self->load, now, bits(self));
     self->promised = DG_NEVER; /* the loop has not begun yet */
     return 0;
@@ -253,7 +253,7 @@ static void address(const struct lx_bus *bus, const struct lx_station *station, 
     (void)snprintf(to, size, "%s/%u", self->can->address, id);
 }
 
-static void look(struct lx_bus *bus, dg_ns now)
+static void look_at_bus(struct lx_bus *bus, dg_ns now)
 {
     struct lx_can_bus *self = can_bus_of(bus);
     dg_bus_look(self->bus.core, now);
@@ -274,7 +274,7 @@ static unsigned count_calm(const struct lx_can_bus *self, dg_ns now)
 static void turn_shaft(struct lx_bus *bus, dg_ns now)
 {
     struct lx_can_bus *self = can_bus_of(bus);
-    look(bus, now);
+    look_at_bus(bus, now);
     const unsigned calm = count_calm(self, now);
     self->calm = calm > self->calm ? calm : self->calm;
 }
@@ -297,7 +297,7 @@ static void changed(struct lx_bus *bus, struct lx_station *station, dg_ns now)
         wake_encoders(self, now);
     }
     self->calm = station != NULL ? self->calm : 0;
-    settle(self, now);
+    settle_bus(self, now);
 }
 
 static void counters(const struct lx_bus *bus, const struct lx_station *station, struct dg_scpi *to)
@@ -328,7 +328,8 @@ static void close_bus(struct lx_bus *bus)
     free(self);
 }
 
-static const struct lx_bus_ops bus_ops = {LX_BUS_OPERATIONS, .look = look, .turns = turn_shaft};
+static const struct lx_bus_ops bus_ops = {LX_BUS_OPERATIONS, .look = look_at_bus,
+                                          .turns = turn_shaft};
 
 /* --- making --- */
 

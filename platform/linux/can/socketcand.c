@@ -92,8 +92,8 @@ static void subscribe(struct lx_socketcand *self, const struct words *words,
     *byte = (uint8_t)(wanted ? *byte | bit : *byte & ~bit);
 }
 
-static void send(struct lx_socketcand *self, const struct words *words,
-                 struct lx_socketcand_event *event)
+static void send_frame(struct lx_socketcand *self, const struct words *words,
+                       struct lx_socketcand_event *event)
 {
     struct lx_can_wide *frame = &event->frame;
     uint32_t value = 0;
@@ -123,7 +123,7 @@ static const struct {
     {"open",        NO_BUS,    2, 2,         open_bus},
     {"rawmode",     BCM | RAW, 1, 1,         set_mode},
     {"bcmmode",     BCM | RAW, 1, 1,         set_mode},
-    {"send",        BCM | RAW, 3, WORDS_MAX, send},
+    {"send",        BCM | RAW, 3, WORDS_MAX, send_frame},
     {"subscribe",   BCM,       4, 4,         subscribe},
     {"unsubscribe", BCM,       2, 2,         subscribe},
     {"echo",        ANY,       1, 1,         echo},

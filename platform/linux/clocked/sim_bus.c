@@ -158,7 +158,7 @@ static void address(const struct lx_bus *bus, const struct lx_station *station, 
     (void)snprintf(to, size, "%s", ((const struct sim_bus *)bus)->silkit.where.ready);
 }
 
-static void look(struct lx_bus *bus, dg_ns now)
+static void look_at_line(struct lx_bus *bus, dg_ns now)
 {
     (void)now;
     catch_up_frames(sim_of(bus));
@@ -248,7 +248,7 @@ static int check(struct lx_bus *bus, struct lx_station *station, struct lx_error
 static const struct lx_bus_ops ops = {
     LX_BUS_OPERATIONS,
     .check = check,
-    .look = look,
+    .look = look_at_line,
     .read = read_one,
 };
 

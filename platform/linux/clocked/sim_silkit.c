@@ -55,7 +55,7 @@ static void receive(void *ctx, dg_ns now, const struct lx_silkit_message *messag
     publish_reading(self);
 }
 
-static void step(void *ctx, dg_ns now)
+static void step_frames(void *ctx, dg_ns now)
 {
     struct lx_sim_silkit *self = ctx;
     (void)now;
@@ -72,7 +72,7 @@ int lx_sim_silkit_open(struct lx_sim_silkit *self, struct lx_bus *bus, struct lx
     }
     self->bus = bus;
     self->latch = (struct lx_silkit_port){.receive = receive, .ctx = self};
-    self->frame = (struct lx_silkit_port){.step = step, .ctx = self};
+    self->frame = (struct lx_silkit_port){.step = step_frames, .ctx = self};
     lx_silkit_name_topic(&self->latch, self->where.network, "latch");
     lx_silkit_name_topic(&self->frame, self->where.network, "frame");
     return lx_silkit_subscribe(silkit, &self->latch, LATCH_TYPE, error) != 0

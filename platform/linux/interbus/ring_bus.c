@@ -108,7 +108,7 @@ static void address(const struct lx_bus *bus, const struct lx_station *station, 
                    station->place);
 }
 
-static void look(struct lx_bus *bus, dg_ns now)
+static void look_at_ring(struct lx_bus *bus, dg_ns now)
 {
     struct ring_bus *self = ring_of(bus);
     dg_ring_master_to(&self->ring.master, now);
@@ -123,7 +123,7 @@ static void changed(struct lx_bus *bus, struct lx_station *station, dg_ns now)
 {
     struct ring_bus *self = ring_of(bus);
     dg_bus_watch(bus->core, lx_tap_on(&bus->tap));
-    look(bus, now); /* what is over was not bent by what comes now */
+    look_at_ring(bus, now); /* what is over was not bent by what comes now */
     if (station != NULL) {
         (void)dg_bus_changed(bus->core, station->place, now);
     }
@@ -167,8 +167,8 @@ const struct lx_stack lx_ib_stack = {
 
 static const struct lx_bus_ops bus_ops = {
     LX_BUS_OPERATIONS,
-    .look = look,
-    .turns = look,
+    .look = look_at_ring,
+    .turns = look_at_ring,
 };
 
 /* --- from the plan --- */

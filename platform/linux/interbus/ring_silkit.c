@@ -22,7 +22,7 @@ static void receive(void *ctx, dg_ns now, const struct lx_silkit_message *messag
     }
 }
 
-static void step(void *ctx, dg_ns now)
+static void step_ring(void *ctx, dg_ns now)
 {
     struct lx_ring_silkit *self = ctx;
     const struct lx_ring *ring = self->ring;
@@ -46,7 +46,7 @@ int lx_ring_silkit_open(struct lx_ring_silkit *self, const struct lx_bus_setup *
     }
     self->out = (struct lx_silkit_port){
         .length_min = size, .length_max = size, .receive = receive, .ctx = self};
-    self->in = (struct lx_silkit_port){.step = step, .ctx = self};
+    self->in = (struct lx_silkit_port){.step = step_ring, .ctx = self};
     lx_silkit_name_topic(&self->out, self->where.network, "out");
     lx_silkit_name_topic(&self->in, self->where.network, "in");
     return lx_silkit_subscribe(setup->silkit, &self->out, MEDIA_TYPE, error) != 0

@@ -65,7 +65,7 @@ void lx_rig_settle(void *ctx, dg_ns now)
 
 /* --- encoders --- */
 
-static void look(struct dg_rig *control, struct dg_encoder *encoder, dg_ns now)
+static void look_at_encoder(struct dg_rig *control, struct dg_encoder *encoder, dg_ns now)
 {
     struct lx_bus *bus = lx_engine_station(control, encoder)->bus;
     if (bus->ops->look != NULL) {
@@ -398,7 +398,7 @@ static uint32_t scale(struct dg_rig *control)
 }
 
 /* Faults end at their own moments on the way. */
-static int step(struct dg_rig *control, dg_ns span, char *detail)
+static int step_time(struct dg_rig *control, dg_ns span, char *detail)
 {
     struct lx_rig *self = lx_rig_of(control);
     struct lx_clock *clock = &self->clock;
@@ -426,8 +426,8 @@ const struct dg_rig_ops lx_rig_ops = {
     .last = last,
     .set_scale = set_scale,
     .scale = scale,
-    .step = step,
-    .look = look,
+    .step = step_time,
+    .look = look_at_encoder,
     .turns = turns,
     .turned = turned,
     .profile_more = profile_more,

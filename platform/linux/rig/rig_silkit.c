@@ -85,7 +85,7 @@ static bool is_steady(const struct lx_rig_topics *self, dg_ns now)
                                : dg_shaft_settled(shaft) <= now;
 }
 
-static void step(void *ctx, dg_ns now)
+static void step_shafts(void *ctx, dg_ns now)
 {
     struct lx_rig_topics *self = ctx;
     struct dg_shaft *shaft = &self->shaft->control->shaft;
@@ -108,7 +108,7 @@ static int open_shaft(struct lx_rig_topics *self, struct lx_error *error)
     char name[LX_SILKIT_TOPIC_MAX / 2u];
     self->turn = (struct lx_silkit_port){
         .length_min = SIZE, .length_max = SIZE, .receive = receive, .ctx = self};
-    self->position = (struct lx_silkit_port){.step = step, .ctx = self};
+    self->position = (struct lx_silkit_port){.step = step_shafts, .ctx = self};
     (void)snprintf(name, sizeof name, "%s/shaft", lx_silkit_name(silkit));
     lx_silkit_name_topic(&self->position, name, self->shaft->control->name);
     if (lx_silkit_offer(silkit, &self->position, MEDIA_TYPE, error) != 0) {

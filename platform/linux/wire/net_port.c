@@ -57,7 +57,7 @@ static size_t tell_all(struct net_port *self, const struct lx_peer *from,
     return count;
 }
 
-static size_t send(struct lx_serial *serial, const uint8_t *bytes, size_t n)
+static size_t send_bytes(struct lx_serial *serial, const uint8_t *bytes, size_t n)
 {
     struct net_port *self = port_of(serial);
     size_t sent = 0;
@@ -159,7 +159,7 @@ static void shut_net(struct lx_serial *serial)
 static const struct lx_serial_ops net_ops = {
     .again = "listening there again",
     .open = open_net,
-    .send = send,
+    .send = send_bytes,
     .shut = shut_net,
 };
 

@@ -44,7 +44,7 @@ static void flush(void *ctx, dg_ns now)
 }
 
 /* In real time there are no steps to collect it in. */
-static size_t send(struct lx_serial *serial, const uint8_t *bytes, size_t n)
+static size_t send_characters(struct lx_serial *serial, const uint8_t *bytes, size_t n)
 {
     struct silkit_serial *self = silkit_serial_of(serial);
     const size_t room = sizeof self->sent - self->count;
@@ -108,7 +108,7 @@ static int open_line(struct lx_serial *serial, struct lx_error *error)
 static const struct lx_serial_ops silkit_ops = {
     .again = "",
     .open = open_line,
-    .send = send,
+    .send = send_characters,
 };
 
 struct lx_serial *lx_silkit_serial_open(const struct lx_serial_setup *setup, struct lx_error *error)
