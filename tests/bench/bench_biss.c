@@ -84,7 +84,7 @@ static bool make(struct biss_rig *rig, uint8_t count)
     return true;
 }
 
-static bool start(void)
+static bool start_encoder(void)
 {
     static const struct dg_motion wanted = {.kind = DG_MOTION_SPEED, .mrpm = 3000123};
 
@@ -142,7 +142,7 @@ int main(int argc, char **argv)
                                          .count = DG_COUNT(benches),
                                          .bytes = bytes,
                                          .bytes_count = 1,
-                                         .start = start,
+                                         .start = start_encoder,
                                          .answers = answers};
 
     return bench_main(argc, argv, &set);

@@ -27,7 +27,7 @@ struct subject {
 static struct subject plain, scaled, stopped;
 static uint64_t answered;
 
-static void send(void *ctx, const struct dg_can_frame *frame)
+static void count_answer(void *ctx, const struct dg_can_frame *frame)
 {
     (void)ctx;
     answered += frame->id == SDO_ANSWER && frame->data[0] == SDO_ABORT ? ABORT : 1u;
@@ -108,7 +108,7 @@ static void pass(const void *what)
 static bool make(struct subject *self)
 {
     static const struct dg_can_frame operational = {.dlc = 2, .data = {0x01, NODE_ID}};
-    static const struct dg_co_ops ops = {.send = send};
+    static const struct dg_co_ops ops = {.send = count_answer};
     const struct dg_co_setup setup = {.device = model.device,
                                       .world = &self->world,
                                       .nvm = ram_nvm_port(&self->nvm),
@@ -159,7 +159,7 @@ static const struct bench_bytes bytes[] = {
     {"ram.dg_cia406_device", sizeof(struct dg_cia406_device)},
 };
 
-static bool start(void)
+static bool start_nodes(void)
 {
     if (!make(&plain) || !make(&scaled) || !make(&stopped)) {
         return false;
@@ -182,7 +182,7 @@ int main(int argc, char **argv)
                                          .count = DG_COUNT(benches),
                                          .bytes = bytes,
                                          .bytes_count = DG_COUNT(bytes),
-                                         .start = start,
+                                         .start = start_nodes,
                                          .answers = answers};
 
     return bench_main(argc, argv, &set);

@@ -110,7 +110,7 @@ static struct dg_nvm durable_nvm(void)
     return port;
 }
 
-static bool start(void)
+static bool start_encoder(void)
 {
     static const struct dg_hf_ops ops = {.tx = reply};
     const struct dg_hf_model *model = dg_hf_model_of(dg_device_find("s3684-rs485"));
@@ -146,7 +146,7 @@ int main(int argc, char **argv)
                                          .count = DG_COUNT(benches),
                                          .bytes = bytes,
                                          .bytes_count = 1,
-                                         .start = start,
+                                         .start = start_encoder,
                                          .answers = answers};
 
     return bench_main(argc, argv, &set);

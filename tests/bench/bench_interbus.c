@@ -92,7 +92,7 @@ static bool make(struct subject *self, uint16_t count)
     return self->state->reached == count;
 }
 
-static bool start(void)
+static bool start_rings(void)
 {
     ram_nvm_init(&nvm, dg_store_size(&dg_ib_layout));
     return make(&small, SMALL) && make(&large, LARGE);
@@ -120,7 +120,7 @@ int main(int argc, char **argv)
                                          .count = DG_COUNT(benches),
                                          .bytes = bytes,
                                          .bytes_count = 1,
-                                         .start = start,
+                                         .start = start_rings,
                                          .answers = answers};
 
     return bench_main(argc, argv, &set);

@@ -32,7 +32,7 @@ static void steered(const void *what)
     asked++;
 }
 
-static bool start(void)
+static bool start_shafts(void)
 {
     const struct dg_motion wanted[] = {
         {.kind = DG_MOTION_SPEED, .mrpm = 3000123},
@@ -69,7 +69,7 @@ int main(int argc, char **argv)
                                          .count = DG_COUNT(benches),
                                          .bytes = bytes,
                                          .bytes_count = DG_COUNT(bytes),
-                                         .start = start,
+                                         .start = start_shafts,
                                          .answers = answers};
 
     return bench_main(argc, argv, &set);

@@ -45,7 +45,7 @@ static void at_once(const void *what)
     words += dg_ssi_frame(&rig.device, rig.now, &word) == BITS;
 }
 
-static bool start(void)
+static bool start_encoder(void)
 {
     if (ssi_rig_init(&rig, dg_ssi_model_of(dg_device_find("ssi-25"))) != DG_OK) {
         return false;
@@ -74,7 +74,7 @@ int main(int argc, char **argv)
                                          .count = DG_COUNT(benches),
                                          .bytes = bytes,
                                          .bytes_count = 1,
-                                         .start = start,
+                                         .start = start_encoder,
                                          .answers = answers};
 
     return bench_main(argc, argv, &set);

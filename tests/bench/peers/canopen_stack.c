@@ -39,7 +39,7 @@ static int16_t receive(CO_IF_FRM *frame)
     return sizeof *frame;
 }
 
-static int16_t send(CO_IF_FRM *frame)
+static int16_t report_frame(CO_IF_FRM *frame)
 {
     from_peer((uint16_t)frame->Identifier, frame->DLC, frame->Data);
     return sizeof *frame;
@@ -132,7 +132,7 @@ static void make_dictionary(void)
 
 bool peer_start(void)
 {
-    static const CO_IF_CAN_DRV can = {nothing, enable, receive, send, nothing, nothing};
+    static const CO_IF_CAN_DRV can = {nothing, enable, receive, report_frame, nothing, nothing};
     static const CO_IF_TIMER_DRV timer = {enable, reload, delay, nothing, nothing, update};
     static const CO_IF_NVM_DRV nvm = {nothing, memory, memory};
     static CO_IF_DRV drivers = {&can, &timer, &nvm};

@@ -13,7 +13,7 @@ static struct ram_nvm nvm;
 static dg_ns now;
 static dg_ns due;
 
-static void send(void *ctx, const struct dg_can_frame *frame)
+static void report_frame(void *ctx, const struct dg_can_frame *frame)
 {
     (void)ctx;
     from_peer(frame->id, frame->dlc, frame->data);
@@ -43,7 +43,7 @@ static void map_position(void)
 
 bool peer_start(void)
 {
-    static const struct dg_co_ops ops = {.send = send};
+    static const struct dg_co_ops ops = {.send = report_frame};
     const struct dg_co_setup setup = {.device = device,
                                       .world = &world,
                                       .nvm = ram_nvm_port(&nvm),

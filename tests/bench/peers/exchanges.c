@@ -70,7 +70,7 @@ static void pass(const void *what)
 
 /* Lets TPDOs of other types have their say, and asks for 1000h: the same device type from
  * everybody. */
-static bool start(void)
+static bool start_node(void)
 {
     static const struct peer_frame operational = {.dlc = 2, .data = {0x01, NODE_ID}};
     static const uint8_t type[8] = {0x43, 0x00, 0x10, 0x00, 0x96, 0x01, 0x02, 0x00};
@@ -109,7 +109,7 @@ int main(int argc, char **argv)
     };
     static const struct bench_set set = {.benches = benches,
                                          .count = sizeof benches / sizeof benches[0],
-                                         .start = start,
+                                         .start = start_node,
                                          .answers = answers};
 
     return bench_main(argc, argv, &set);

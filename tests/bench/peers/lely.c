@@ -13,7 +13,7 @@
 static can_net_t *net;
 static struct timespec now;
 
-static int send(const struct can_msg *msg, void *data)
+static int report_frame(const struct can_msg *msg, void *data)
 {
     (void)data;
     if ((msg->flags & CAN_FLAG_RTR) == 0) {
@@ -30,7 +30,7 @@ bool peer_start(void)
     if (dev == NULL || net == NULL || co_dev_set_id(dev, NODE_ID) != 0) {
         return false;
     }
-    can_net_set_send_func(net, send, NULL);
+    can_net_set_send_func(net, report_frame, NULL);
     co_nmt_t *nmt = co_nmt_create(net, dev);
     return nmt != NULL && can_net_set_time(net, &now) == 0 &&
            co_nmt_cs_ind(nmt, CO_NMT_CS_RESET_NODE) == 0;

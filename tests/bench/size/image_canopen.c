@@ -5,7 +5,7 @@
 
 static struct dg_co_node node;
 
-static void send(void *ctx, const struct dg_can_frame *frame)
+static void send_frame(void *ctx, const struct dg_can_frame *frame)
 {
     (void)ctx;
     board_tx = *frame;
@@ -13,7 +13,7 @@ static void send(void *ctx, const struct dg_can_frame *frame)
 
 int main(void)
 {
-    static const struct dg_co_ops ops = {.send = send};
+    static const struct dg_co_ops ops = {.send = send_frame};
     const struct dg_co_setup setup = {.device = device,
                                       .world = &board_world,
                                       .nvm = board_nvm,
