@@ -227,7 +227,7 @@ static void write_some(struct dg_host *host)
     }
 }
 
-static void turn(struct dg_host *host)
+static void turn_shaft(struct dg_host *host)
 {
     static const unsigned char start[2] = {1, 0};
     (void)ask(host, 0, start, 2);
@@ -264,7 +264,7 @@ int main(int argc, char **argv)
         (void)listen(host);
         read_all(host);
         write_some(host);
-        turn(host);
+        turn_shaft(host);
         sdo(host, 0x23, i == 0 ? 0x1010 : 0x1011, i == 0 ? 1 : 2, i == 0 ? 0x65766173 : 0x64616F6C);
         const size_t n = dg_host_memory_size(host);
         (void)dg_host_memory_copy(host, image, sizeof image);

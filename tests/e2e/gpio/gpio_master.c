@@ -185,7 +185,7 @@ static void position(struct master *self, unsigned mt, unsigned st, unsigned lc)
 }
 
 /* The last `n` bits of `bits`, one in each frame. @return the CDS bits */
-static unsigned send(struct master *self, unsigned bits, unsigned n)
+static unsigned send_bits(struct master *self, unsigned bits, unsigned n)
 {
     unsigned back = 0;
     for (unsigned i = n; i > 0; i--) {
@@ -198,11 +198,11 @@ static unsigned send(struct master *self, unsigned bits, unsigned n)
 static void address(struct master *self, unsigned where, bool write)
 {
     const unsigned word = 1u << 10 | where;
-    (void)send(self, 0, ZERO_FRAMES);
-    (void)send(self, 1, 1);
-    (void)send(self, word << 4 | crc4(word, 11), 15);
+    (void)send_bits(self, 0, ZERO_FRAMES);
+    (void)send_bits(self, 1, 1);
+    (void)send_bits(self, word << 4 | crc4(word, 11), 15);
     /* CDS of a frame is the answer to the frame in front. */
-    const unsigned back = send(self, write ? 3 : 5, 3) & 3u;
+    const unsigned back = send_bits(self, write ? 3 : 5, 3) & 3u;
     if (back != (write ? 1u : 2u)) {
         die("the access is refused");
     }
@@ -227,7 +227,7 @@ static void transfer(struct master *self, unsigned where, uint8_t *bytes, unsign
         const unsigned word = write ? (unsigned)bytes[i] << 4 | crc4(bytes[i], 8) : 0;
         await_ready(self, (word >> 11) != 0);
         /* Eleven bits to go and the stop bit; twelve come back. */
-        const unsigned back = send(self, (word << 1) & 0xFFFu, 12);
+        const unsigned back = send_bits(self, (word << 1) & 0xFFFu, 12);
         const bool more = i + 1 < n;
         if (frame(self, more)) {
             die("the register is refused");
