@@ -47,7 +47,7 @@ static dg_angle angle(void *ctx, dg_ns now)
 }
 
 /* CAN-IDs 181h-57Fh are nobody's but the TPDOs'. */
-static void send(void *ctx, const struct dg_can_frame *frame)
+static void check_frame(void *ctx, const struct dg_can_frame *frame)
 {
     struct bench *bench = ctx;
     const struct dg_co_node *node = &bench->node;
@@ -63,7 +63,7 @@ static void send(void *ctx, const struct dg_can_frame *frame)
 
 static void power_on(struct bench *bench)
 {
-    static const struct dg_co_ops ops = {.send = send};
+    static const struct dg_co_ops ops = {.send = check_frame};
     const struct dg_co_setup setup = {
         .device = bench->model.device,
         .world = &bench->world,
@@ -237,7 +237,7 @@ static void check(struct bench *bench)
 
 /* ------------------------------------------------------------ operations */
 
-static void step(struct bench *bench)
+static void step_node(struct bench *bench)
 {
     dg_ns deadline = dg_co_step(&bench->node, bench->now);
 
@@ -340,7 +340,7 @@ static void op_time(struct bench *bench, struct fuzz_input *input)
 
     bench->now = dg_after(bench->now, (uint64_t)fuzz_take(input) << (how % 48u));
     bench->now = bench->now < DG_NEVER / 2 ? bench->now : DG_NEVER / 2;
-    step(bench);
+    step_node(bench);
 }
 
 /* A port that comes exactly at the deadlines. */
@@ -351,7 +351,7 @@ static void op_run(struct bench *bench, struct fuzz_input *input)
         fuzz_must(deadline > bench->now);
         bench->now = deadline < DG_NEVER / 2 ? deadline : bench->now;
     }
-    step(bench);
+    step_node(bench);
 }
 
 static void op_shaft(struct bench *bench, struct fuzz_input *input)

@@ -99,7 +99,7 @@ static bool may_send(struct bench *bench, const struct dg_can_frame *frame)
     return is_tpdo(node, frame);
 }
 
-static void send(void *ctx, const struct dg_can_frame *frame)
+static void check_frame(void *ctx, const struct dg_can_frame *frame)
 {
     struct bench *bench = ctx;
     const struct dg_co_node *node = bench->sender;
@@ -117,7 +117,7 @@ static void bit_rate(void *ctx, uint16_t kbaud)
     fuzz_must(kbaud >= 10 && kbaud <= 1000);
 }
 
-static const struct dg_co_ops ops = {.send = send, .bit_rate = bit_rate};
+static const struct dg_co_ops ops = {.send = check_frame, .bit_rate = bit_rate};
 
 /* ------------------------------------------------------------ what must hold after every call */
 
@@ -197,7 +197,7 @@ static bool listens(const struct bench *bench, uint16_t id)
 
 /* ------------------------------------------------------------ calls */
 
-static void step(struct bench *bench)
+static void step_node(struct bench *bench)
 {
     const bool off = bench->node.state == DG_CO_OFF;
     const dg_ns deadline = dg_co_step(&bench->node, bench->now);
@@ -209,7 +209,7 @@ static void step(struct bench *bench)
 /* What is due comes first, so that the rest is what the frame has done. */
 static void receive(struct bench *bench, const struct dg_can_frame *frame)
 {
-    step(bench);
+    step_node(bench);
     const uint32_t before = bench->sent;
     const bool heard = listens(bench, frame->id);
     bench->answers += !frame->rtr && frame->id == 0x600u + bench->node.id ? 1 : 0;
@@ -499,7 +499,7 @@ static void op_lss_fastscan(struct bench *bench, struct fuzz_input *input)
         lss(bench, 0x04, 1, 0);
         lss(bench, 0x11, DG_CO_UNCONFIGURED, 0);
         lss(bench, 0x04, 0, 0);
-        step(bench);
+        step_node(bench);
     }
     lss(bench, 0x4C, 0, 0);
     lss(bench, 0x51, 0, 0x80);
@@ -523,11 +523,11 @@ static void op_time(struct bench *bench, struct fuzz_input *input)
 
     for (int i = 0; i < 16 && (how & 128u) != 0 && bench->node.deadline < end; i++) {
         bench->now = bench->node.deadline > bench->now ? bench->node.deadline : bench->now;
-        step(bench);
+        step_node(bench);
     }
     bench->now = end;
     if ((how & 64u) != 0) {
-        step(bench);
+        step_node(bench);
     }
 }
 
@@ -536,7 +536,7 @@ static void op_late_step(struct bench *bench, struct fuzz_input *input)
     const dg_ns now = bench->now;
 
     bench->now = dg_elapsed(now, (uint64_t)fuzz_take(input) << 20);
-    step(bench);
+    step_node(bench);
     bench->now = now;
 }
 
@@ -590,10 +590,10 @@ static void op_power(struct bench *bench, struct fuzz_input *input)
     const int result = dg_co_power_on(&bench->node, bench->now);
     fuzz_must(result == DG_OK || result == DG_ERR_BLANK || result == DG_ERR_FOREIGN);
     fuzz_must((result != DG_OK) == (bench->node.state == DG_CO_OFF));
-    step(bench);
+    step_node(bench);
 }
 
-static bool start(struct bench *bench, const struct dg_cia406_model *model)
+static bool start_node(struct bench *bench, const struct dg_cia406_model *model)
 {
     const struct dg_co_setup setup = {.device = model->device,
                                       .world = &bench->world,
@@ -626,8 +626,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t n)
     struct fuzz_input input = {.at = bytes, .end = bytes + n};
 
     memset(&bench, 0, sizeof bench);
-    fuzz_must(start(&bench, dg_cia406_model_of(dg_device_find(
-                                (fuzz_take(&input) & 1u) != 0 ? "f3658" : "f3668"))));
+    fuzz_must(start_node(&bench, dg_cia406_model_of(dg_device_find(
+                                     (fuzz_take(&input) & 1u) != 0 ? "f3658" : "f3668"))));
     while (input.at < input.end) {
         pass(&bench, DG_US(100));
         operations[fuzz_take(&input) % DG_COUNT(operations)](&bench, &input);

@@ -51,7 +51,7 @@ static void step_devices(struct control_rig *rig)
 }
 
 /* Unlike the rig's own, this one lets the time pass. */
-static int step(struct dg_rig *rig, dg_ns span, char *detail)
+static int step_time(struct dg_rig *rig, dg_ns span, char *detail)
 {
     struct control_rig *self = rig->host;
 
@@ -88,7 +88,7 @@ static void set_up(struct bench *bench)
     struct control_rig *rig = &bench->rig;
 
     control_rig_start(rig);
-    rig->ops.step = step;
+    rig->ops.step = step_time;
     bench->able = rig->ops;
     bench->biss_port = rig->encoder[CONTROL_RIG_BISS].port;
     bench->unable = (struct dg_rig_ops){.changed = rig->ops.changed, .wire = rig->ops.wire};
@@ -182,7 +182,7 @@ static void check_interbus(struct control_rig *rig, bool fresh)
     fuzz_must(in[0] >> 25 == 0 || !fresh); /* a position, no answer and nothing lost */
 }
 
-static void say(struct bench *bench, const char *line)
+static void send_line(struct bench *bench, const char *line)
 {
     fuzz_must(strcmp(control_rig_say(&bench->rig, line), "") == 0);
     fuzz_must(strncmp(control_rig_say(&bench->rig, "SYST:ERR?"), "0,", 2) == 0);
@@ -203,7 +203,7 @@ static void check_encoders(struct bench *bench, bool fresh)
 
 /* ------------------------------------------------------------ operations */
 
-static void send(struct bench *bench, size_t client, const char *bytes, size_t n)
+static void send_bytes(struct bench *bench, size_t client, const char *bytes, size_t n)
 {
     (void)dg_control_rx(&bench->client[client], bench->rig.now, bytes, n);
 }
@@ -303,7 +303,7 @@ static void op_command(struct bench *bench, struct fuzz_input *input)
         n += (size_t)put_parameter(bench, client, input, &line[n], sizeof line - n);
     }
     n += (size_t)snprintf(&line[n], sizeof line - n, "%s", ends[how >> 5]);
-    send(bench, client, line, n);
+    send_bytes(bench, client, line, n);
 }
 
 static void op_common(struct bench *bench, struct fuzz_input *input)
@@ -316,7 +316,7 @@ static void op_common(struct bench *bench, struct fuzz_input *input)
     const uint8_t how = fuzz_take(input);
     const char *line = lines[(how >> 1) % DG_COUNT(lines)];
 
-    send(bench, how & 1u, line, strlen(line));
+    send_bytes(bench, how & 1u, line, strlen(line));
 }
 
 static void op_bytes(struct bench *bench, struct fuzz_input *input)
@@ -325,7 +325,7 @@ static void op_bytes(struct bench *bench, struct fuzz_input *input)
     const size_t left = (size_t)(input->end - input->at);
     const size_t n = (how >> 1) < left ? (how >> 1) : left;
 
-    send(bench, how & 1u, (const char *)input->at, n);
+    send_bytes(bench, how & 1u, (const char *)input->at, n);
     input->at += n;
 }
 
@@ -394,7 +394,7 @@ static void restore(struct bench *bench)
     rig->encoder[CONTROL_RIG_BISS].port = bench->biss_port;
     set_memory(rig, 0);
     connect(bench); /* anew: what a line that waits still has to say is not said any more */
-    say(bench, "*RST;:SHAF:ACC 0;POS 0");
+    send_line(bench, "*RST;:SHAF:ACC 0;POS 0");
 }
 
 static void cycle_power(struct bench *bench)
@@ -403,7 +403,7 @@ static void cycle_power(struct bench *bench)
 
     for (size_t i = 0; i < CONTROL_RIG_ENCODERS; i++) {
         (void)snprintf(line, sizeof line, "INST:SEL %s;:POW CYCL", bench->rig.encoder[i].name);
-        say(bench, line);
+        send_line(bench, line);
     }
 }
 

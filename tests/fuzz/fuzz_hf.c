@@ -71,7 +71,7 @@ static void pass(struct bench *bench, uint64_t ns)
     bench->rig.now = dg_after(bench->rig.now, ns);
 }
 
-static void step(struct bench *bench)
+static void step_encoder(struct bench *bench)
 {
     const dg_ns deadline = dg_hf_step(&bench->rig.device, bench->rig.now);
 
@@ -111,7 +111,7 @@ static void frame(struct bench *bench, const uint8_t *bytes, size_t n)
     }
     for (int i = 0; i < 4; i++) {
         pass(bench, DG_MS(50));
-        step(bench);
+        step_encoder(bench);
     }
 }
 
@@ -193,7 +193,7 @@ static void op_time(struct bench *bench, struct fuzz_input *input)
 
     pass(bench, (uint64_t)fuzz_take(input) << (how & 63u));
     if ((how & 64u) != 0) {
-        step(bench);
+        step_encoder(bench);
     }
 }
 

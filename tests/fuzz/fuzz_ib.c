@@ -103,7 +103,7 @@ static void cycle(struct bench *bench)
 
 /* Operations; each takes what it needs from the input. */
 
-static void send(struct bench *bench, uint32_t word, unsigned cycles)
+static void send_word(struct bench *bench, uint32_t word, unsigned cycles)
 {
     bench->ring.out[3] = (uint16_t)(word >> 16);
     bench->ring.out[4] = (uint16_t)word;
@@ -116,7 +116,7 @@ static void op_word(struct bench *bench, struct fuzz_input *input)
 {
     const uint32_t word = fuzz_take32(input);
 
-    send(bench, word, fuzz_take(input) % 6u);
+    send_word(bench, word, fuzz_take(input) % 6u);
 }
 
 /* A command that exists, data from the input. */
@@ -132,7 +132,7 @@ static void op_command(struct bench *bench, struct fuzz_input *input)
     };
     const uint32_t *const row = known[fuzz_take(input) % (DG_COUNT(known))];
 
-    send(bench, row[0] | (fuzz_take32(input) & row[1]), 5);
+    send_word(bench, row[0] | (fuzz_take32(input) & row[1]), 5);
 }
 
 static void op_torn(struct bench *bench, struct fuzz_input *input)

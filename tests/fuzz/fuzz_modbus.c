@@ -155,7 +155,7 @@ static size_t deserved(const uint8_t *request, size_t length)
 /* --- clients --- */
 
 /* Until there is nothing more to do. */
-static void turn(void)
+static void turn_loop(void)
 {
     int result;
 
@@ -218,7 +218,7 @@ static bool check_answer(struct client *self)
     return true;
 }
 
-static void hear(struct client *self)
+static void read_answers(struct client *self)
 {
     while (self->fd >= 0) {
         const ssize_t n = recv(self->fd, self->got + self->got_length,
@@ -237,15 +237,15 @@ static void hear(struct client *self)
 }
 
 /* Let the coupler work until it owes this client nothing. */
-static void settle(struct client *self)
+static void await_answers(struct client *self)
 {
     const dg_ns end = dg_after(lx_now(), PATIENCE);
 
-    hear(self);
+    read_answers(self);
     while (self->fd >= 0 && (is_garbage(self) || whole(self) != 0)) {
         fuzz_must(lx_now() < end);
-        turn();
-        hear(self);
+        turn_loop();
+        read_answers(self);
     }
 }
 
@@ -273,10 +273,10 @@ static void join(struct client *self)
     while (connect(self->fd, (const struct sockaddr *)&bench.port, sizeof bench.port) != 0) {
         fuzz_must(errno == EINTR);
     }
-    turn(); /* fewer wait for a place than may wait */
+    turn_loop(); /* fewer wait for a place than may wait */
 }
 
-static void say(struct client *self, const uint8_t *bytes, size_t n)
+static void send_bytes(struct client *self, const uint8_t *bytes, size_t n)
 {
     join(self);
     if (n > sizeof self->asked - self->asked_length) {
@@ -285,7 +285,7 @@ static void say(struct client *self, const uint8_t *bytes, size_t n)
     memcpy(self->asked + self->asked_length, bytes, n);
     self->asked_length += n;
     if (send(self->fd, bytes, n, MSG_NOSIGNAL) != (ssize_t)n) {
-        hear(self);
+        read_answers(self);
         fuzz_must(self->fd < 0);
     }
 }
@@ -319,7 +319,7 @@ static void op_bytes(struct fuzz_input *input)
     const size_t n = wanted < left ? wanted : left > 0 ? left - 1u : 0;
 
     if (n > 0) {
-        say(client, input->at, n);
+        send_bytes(client, input->at, n);
         input->at += n;
     }
 }
@@ -367,11 +367,11 @@ static void op_request(struct fuzz_input *input)
     const size_t split = fuzz_take(input) % length;
     /* Now and then it says that it is longer than it is. */
     dg_store_be16(bytes + 4, (uint16_t)(length - BEFORE_LENGTH + (how > 0xE0 ? how & 7u : 0u)));
-    say(client, bytes, split);
+    send_bytes(client, bytes, split);
     if ((how & 1u) != 0) {
-        turn();
+        turn_loop();
     }
-    say(client, bytes + split, length - split);
+    send_bytes(client, bytes + split, length - split);
 }
 
 /* A watchdog that fires soon, and any fallback. */
@@ -386,12 +386,12 @@ static void op_watchdog(struct fuzz_input *input)
     request[14] = how >> 4;
     request[18] = how >> 2 & 1u;
     request[20] = how & 3u;
-    say(client, request, sizeof request);
+    send_bytes(client, request, sizeof request);
 }
 
 static void op_turn(struct fuzz_input *input)
 {
-    settle(client_of(input));
+    await_answers(client_of(input));
 }
 
 static void op_cycle(struct fuzz_input *input)
@@ -493,9 +493,9 @@ static void check_service(void)
                                         2 * WORDS, 0, 0, 0, 0, 0,  0, 0,  0, 0, 0};
     struct client *client = &bench.clients[HONEST];
 
-    say(client, watchdog_off, sizeof watchdog_off);
-    say(client, write_out, sizeof write_out);
-    settle(client);
+    send_bytes(client, watchdog_off, sizeof watchdog_off);
+    send_bytes(client, write_out, sizeof write_out);
+    await_answers(client);
     fuzz_must(client->fd >= 0 && client->asked_length == 0);
     cycle(DG_S(1));
     cycle(DG_MS(1));
@@ -521,10 +521,10 @@ static void tear_down(void)
     for (size_t i = 0; i < SOCKETS; i++) {
         forget(&bench.clients[i]);
     }
-    turn();
+    turn_loop();
     while (occupied()) {
         fuzz_must(lx_now() < end);
-        turn();
+        turn_loop();
     }
     set_places(false);
     modbus_rig_close(&bench.rig);
@@ -543,7 +543,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t n)
         operations[fuzz_take(&input) % (DG_COUNT(operations))](&input);
     }
     for (size_t i = 0; i < SOCKETS; i++) {
-        settle(&bench.clients[i]);
+        await_answers(&bench.clients[i]);
     }
     check_service();
     check_outside();

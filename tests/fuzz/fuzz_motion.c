@@ -20,7 +20,7 @@
 #define CSV 1u
 
 /* Now and then, also at both ends of time. */
-static void turn(struct dg_motion *motion)
+static void turn_shaft(struct dg_motion *motion)
 {
     for (unsigned bit = 0; bit < 64; bit += 3) {
         (void)dg_motion_angle(motion, ((dg_ns)1 << bit) - 1u);
@@ -55,7 +55,7 @@ static void take_csv(const uint8_t *bytes, size_t n)
     if (result == 0) {
         check_points(recording.points, recording.motion.point_count);
         fuzz_must(dg_motion_set(&motion, &recording.motion) == DG_OK);
-        turn(&motion);
+        turn_shaft(&motion);
         lx_shaft_free(&recording);
     } else {
         fuzz_must(strncmp(lx_error_line(&error).text, "some.csv", 8) == 0);
@@ -81,7 +81,7 @@ static void take_words(const uint8_t *bytes, size_t n)
     if (result == 0) {
         const struct dg_motion wanted = shaft.motion;
         fuzz_must(dg_motion_set(&shaft.motion, &wanted) == DG_OK);
-        turn(&shaft.motion);
+        turn_shaft(&shaft.motion);
     }
 }
 

@@ -152,7 +152,7 @@ static void forget_output(struct scpi_rig *rig)
 }
 
 /* What a session does not take while it waits is dropped, as if the client had not sent it. */
-static void send(struct bench *bench, const char *bytes, size_t n)
+static void send_bytes(struct bench *bench, const char *bytes, size_t n)
 {
     struct scpi_rig *const whole = &bench->rigs[0];
     struct scpi_rig *const single = &bench->rigs[1];
@@ -178,7 +178,7 @@ static void op_piece(struct bench *bench, struct fuzz_input *input)
 {
     const char *const piece = pieces[fuzz_take(input) % PIECES];
 
-    send(bench, piece, strlen(piece));
+    send_bytes(bench, piece, strlen(piece));
 }
 
 static void op_bytes(struct bench *bench, struct fuzz_input *input)
@@ -186,7 +186,7 @@ static void op_bytes(struct bench *bench, struct fuzz_input *input)
     size_t n = fuzz_take(input);
 
     n = n < (size_t)(input->end - input->at) ? n : (size_t)(input->end - input->at);
-    send(bench, (const char *)input->at, n);
+    send_bytes(bench, (const char *)input->at, n);
     input->at += n;
 }
 
@@ -195,7 +195,7 @@ static void op_flood(struct bench *bench, struct fuzz_input *input)
     char bytes[DG_SCPI_LINE_MAX];
 
     memset(bytes, fuzz_take(input), sizeof bytes);
-    send(bench, bytes, fuzz_take(input) * 2u);
+    send_bytes(bench, bytes, fuzz_take(input) * 2u);
 }
 
 static void op_time(struct bench *bench, struct fuzz_input *input)

@@ -113,7 +113,7 @@ static void read_questions(void)
     }
 }
 
-static void say(const void *bytes, size_t n)
+static void send_bytes(const void *bytes, size_t n)
 {
     if (bench.peer >= 0 && n > 0) {
         (void)send(bench.peer, bytes, n, MSG_NOSIGNAL | MSG_DONTWAIT);
@@ -142,7 +142,7 @@ static void op_bytes(struct fuzz_input *input)
 {
     const size_t n = some(input);
 
-    say(input->at, n);
+    send_bytes(input->at, n);
     input->at += n;
 }
 
@@ -151,9 +151,9 @@ static void op_line(struct fuzz_input *input)
 {
     const size_t n = some(input);
 
-    say(MARK, strlen(MARK));
-    say(input->at, n);
-    say("\n", 1);
+    send_bytes(MARK, strlen(MARK));
+    send_bytes(input->at, n);
+    send_bytes("\n", 1);
     input->at += n;
 }
 
@@ -164,7 +164,7 @@ static void op_catalogue(struct fuzz_input *input)
         MARK "\"a1\",\"b2\";\"main\",\"pitch\"\n" MARK "\"f3668\";\"can:can0/63\";\"main\"\n";
 
     (void)input;
-    say(two, strlen(two));
+    send_bytes(two, strlen(two));
 }
 
 static void op_serve(struct fuzz_input *input)

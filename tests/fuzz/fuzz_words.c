@@ -105,7 +105,7 @@ static void op_levels(struct dg_tap_event *event, struct fuzz_input *input)
     event->levels.data = event->levels.clock;
 }
 
-static void tell(struct told *self, const struct dg_tap_event *event)
+static void report_event(struct told *self, const struct dg_tap_event *event)
 {
     const unsigned before = self->lines;
 
@@ -138,7 +138,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t n)
         event.at = now;
         operations[(how >> 1) & 7u](&event, &input);
         for (size_t i = 0; i <= dg_words_count; i++) {
-            tell(&told[i], &event);
+            report_event(&told[i], &event);
         }
     }
     for (size_t i = 0; i <= dg_words_count; i++) {
