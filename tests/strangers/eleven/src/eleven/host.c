@@ -10,12 +10,12 @@ static void furnish(void *settings, const struct dg_device *device)
     *(struct dg_eleven_model *)settings = *(const struct dg_eleven_model *)device->model;
 }
 
-static void send(void *ctx, const uint8_t *bytes)
+static void send_reply(void *ctx, const uint8_t *bytes)
 {
     dg_host_emit_reply(ctx, bytes, DG_ELEVEN_REPLY);
 }
 
-static const struct dg_eleven_ops ops = {.tx = send};
+static const struct dg_eleven_ops ops = {.tx = send_reply};
 
 static void arrange(void *settings, struct dg_stack_setup *setup)
 {
@@ -39,7 +39,7 @@ static dg_ns due(const struct dg_host_line *line, const struct dg_host_event *ev
 }
 
 /* It does not mind when a character begins. */
-static bool take(struct dg_host_line *line, const struct dg_host_event *event)
+static bool take_event(struct dg_host_line *line, const struct dg_host_event *event)
 {
     const uint32_t part = line->part++;
 
@@ -65,7 +65,7 @@ const struct dg_host_wire dg_eleven_wire = {
     .arrange = arrange,
     .check = check,
     .due = due,
-    .take = take,
+    .take = take_event,
     .uart = tell_uart,
     .state = &dg_eleven_state,
 };
