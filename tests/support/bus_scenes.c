@@ -191,7 +191,7 @@ void bus_scene_pass_to(struct bus_world *world, dg_ns until)
     world->now = until;
 }
 
-static void look(const struct bus_scene *scene, const struct bus_world *world)
+static void look_at_places(const struct bus_scene *scene, const struct bus_world *world)
 {
     struct bus_told told = {.at = dg_bus_next(world->bus), .what = {0x1000}};
 
@@ -208,7 +208,7 @@ void bus_scene_play(const struct bus_scene *scene, struct bus_world *world, unsi
 {
     for (unsigned i = from; i < to; i++) {
         bus_scene_pass_to(world, bus_scene_moment(scene, i));
-        look(scene, world);
+        look_at_places(scene, world);
         scene->perform(world, i);
     }
 }
@@ -221,7 +221,8 @@ static void switch_power(struct bus_world *world, size_t place, bool on)
     (void)dg_bus_changed(world->bus, place, world->now);
 }
 
-static void bend(struct bus_world *world, size_t place, enum dg_wire_fault fault, uint32_t count)
+static void set_wire_fault(struct bus_world *world, size_t place, enum dg_wire_fault fault,
+                           uint32_t count)
 {
     struct dg_faults *faults = &world->control[place].faults;
 
@@ -265,7 +266,7 @@ static void disturb(struct bus_world *world, unsigned i, const enum dg_wire_faul
         settle_memory(world, pick(i, 4, 4) == 0 ? DG_BUS_DROP : DG_BUS_SAY);
         break;
     default:
-        bend(world, place, faults[pick(i, 4, 4)], 1u + pick(i, 5, 3));
+        set_wire_fault(world, place, faults[pick(i, 4, 4)], 1u + pick(i, 5, 3));
         break;
     }
 }

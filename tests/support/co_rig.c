@@ -17,7 +17,7 @@ _Static_assert(offsetof(struct co_rig, cells) ==
 
 static const struct dg_cia406_model f3668 = {.turns = 4096, .device = &dg_cia406_multiturn};
 
-static void send(void *ctx, const struct dg_can_frame *frame)
+static void keep_frame(void *ctx, const struct dg_can_frame *frame)
 {
     struct co_rig *self = ctx;
 
@@ -35,7 +35,7 @@ static void bit_rate(void *ctx, uint16_t kbaud)
     self->kbaud = kbaud;
 }
 
-static const struct dg_co_ops ops = {.send = send, .bit_rate = bit_rate};
+static const struct dg_co_ops ops = {.send = keep_frame, .bit_rate = bit_rate};
 
 void co_rig_start(struct co_rig *self)
 {

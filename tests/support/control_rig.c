@@ -99,7 +99,7 @@ static uint32_t scale(struct dg_rig *rig)
     return (uint32_t)rig_of(rig)->number[0];
 }
 
-static int step(struct dg_rig *rig, dg_ns span, char *detail)
+static int step_time(struct dg_rig *rig, dg_ns span, char *detail)
 {
     rig_of(rig)->number[0] = (int64_t)span;
     return asked(rig_of(rig), "step", NULL, NULL, detail);
@@ -181,12 +181,12 @@ static const struct dg_rig_ops all = {
     .last = last,
     .set_scale = set_scale,
     .scale = scale,
-    .step = step,
+    .step = step_time,
     .course = course,
     .course_text = course_text,
 };
 
-static void take(void *ctx, const char *bytes, size_t n)
+static void take_answer(void *ctx, const char *bytes, size_t n)
 {
     struct control_rig *self = ctx;
 
@@ -281,7 +281,7 @@ void control_rig_start(struct control_rig *self)
         .ops = &self->ops,
         .host = self,
     };
-    dg_control_init(&self->control, &self->rig, take, self);
+    dg_control_init(&self->control, &self->rig, take_answer, self);
 }
 
 const char *control_rig_say(struct control_rig *self, const char *line)

@@ -12,7 +12,7 @@
 
 struct edges_rig edges_rig;
 
-static void hear(void *ctx, size_t place, const struct dg_tap_event *event)
+static void keep_event(void *ctx, size_t place, const struct dg_tap_event *event)
 {
     (void)ctx;
     assert_int_equal(place, 0); /* the wires are of all encoders */
@@ -22,7 +22,7 @@ static void hear(void *ctx, size_t place, const struct dg_tap_event *event)
     }
 }
 
-static void look(void *ctx, const struct dg_tap_event *event)
+static void count_event(void *ctx, const struct dg_tap_event *event)
 {
     (void)ctx;
     assert_true(event->at >= edges_rig.tapped);
@@ -40,7 +40,7 @@ enum dg_bus_answer edges_rig_answer(void *ctx, size_t place)
 void edges_rig_begin(const struct dg_bus_edges_setup *wire, size_t encoders)
 {
     memset(&edges_rig, 0, sizeof edges_rig);
-    edges_rig.ops = (struct dg_bus_ops){.tx = hear, .tap = look};
+    edges_rig.ops = (struct dg_bus_ops){.tx = keep_event, .tap = count_event};
     const struct dg_bus_setup setup = {.size = sizeof setup,
                                        .medium = &dg_bus_edges,
                                        .encoders = encoders,

@@ -59,7 +59,7 @@ static void pump_master(struct line_rig *self)
 
 /* Until nothing has been to do for the pause that ends a frame. A machine that stands still takes a
    time from the encoder as from the test: then less has happened in it than there was time for. */
-static void settle(struct line_rig *self)
+static void settle_line(struct line_rig *self)
 {
     const dg_ns end = lx_now() + LINE_PATIENCE;
     while (sd_event_run(self->event, PAUSE / 1000u) > 0 && lx_now() < end) {
@@ -76,7 +76,7 @@ size_t line_rig_receive(struct line_rig *self, size_t n, dg_ns patience)
         pump_master(self);
     }
     if (self->length < n) {
-        settle(self);
+        settle_line(self);
         pump_master(self);
     }
     return self->length;
@@ -88,7 +88,7 @@ void line_rig_request(struct line_rig *self, uint8_t address, const char *comman
     uint8_t frame[DG_HF_FRAME_MAX] = {address};
     const size_t n = 1 + hf_rig_hex(command, frame + 1, sizeof frame - 2);
     frame[n] = hf_rig_xor(frame, n);
-    settle(self);
+    settle_line(self);
     pump_master(self);
     self->length = 0;
     assert_int_equal(write(self->master, frame, n + 1), (ssize_t)(n + 1));
