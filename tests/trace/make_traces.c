@@ -100,7 +100,7 @@ static void take_note(struct dg_tap_event *event, struct room *room)
     event->note = strtok(NULL, "\n");
 }
 
-static void feed(const struct lx_tap *tap, char *line)
+static void feed_line(const struct lx_tap *tap, char *line)
 {
     static const struct {
         char letter;
@@ -142,7 +142,7 @@ int main(int argc, char *argv[])
     };
     struct lx_trace *trace = lx_trace_open(&setup, 0, &error);
     while (trace != NULL && fgets(line, sizeof line, stdin) != NULL) {
-        feed(&tap, line);
+        feed_line(&tap, line);
     }
     if (trace == NULL || lx_trace_close(trace, &error) != 0) {
         (void)fprintf(stderr, "make_traces: %s\n", lx_error_line(&error).text);
