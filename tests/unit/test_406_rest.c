@@ -46,7 +46,7 @@ static uint32_t random_below(uint32_t n)
     return (uint32_t)((uint64_t)seed * n >> 32);
 }
 
-static void hear(void *ctx, const struct dg_host_event *event)
+static void keep_event(void *ctx, const struct dg_host_event *event)
 {
     struct twin *self = ctx;
 
@@ -65,7 +65,7 @@ static void start_twin(struct twin *self, bool knows)
     world->angle = dg_shaft_angle;
     world->angle_ctx = &shaft;
     world->calm = knows ? dg_shaft_calm : NULL;
-    dg_host_join_bus(self->host, hear, self);
+    dg_host_join_bus(self->host, keep_event, self);
     assert_int_equal(dg_host_power(self->host, now, true), DG_HOST_OK);
     (void)dg_host_step(self->host, now);
     self->count = 0;
@@ -143,7 +143,7 @@ static void turn_at(int32_t mrpm)
     end_command();
 }
 
-static void send(uint32_t id, const uint8_t *data, uint8_t length)
+static void send_frame(uint32_t id, const uint8_t *data, uint8_t length)
 {
     struct dg_host_event event = {.at = now, .kind = DG_HOST_CAN, .id = id, .length = length};
 
@@ -163,7 +163,7 @@ static void download(uint16_t index, uint8_t sub, uint8_t size, uint32_t value)
                                 (uint8_t)(value >> 16),
                                 (uint8_t)(value >> 24)};
 
-    send(0x63F, request, sizeof request);
+    send_frame(0x63F, request, sizeof request);
 }
 
 static void bend_worlds(void)
@@ -234,10 +234,10 @@ static void talk(void)
 
     switch (random_below(8)) {
     case 0:
-        send(0x000, reset, sizeof reset);
+        send_frame(0x000, reset, sizeof reset);
         break;
     case 1:
-        send(0x000, operational, sizeof operational);
+        send_frame(0x000, operational, sizeof operational);
         break;
     case 2:
         download(0x1010, 1, 4, 0x65766173u);

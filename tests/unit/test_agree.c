@@ -37,7 +37,7 @@ static void sit_on(struct dg_world *world, struct dg_shaft *shaft)
     world->angle_ctx = shaft;
 }
 
-static void start(struct fixture *self)
+static void start_encoders(struct fixture *self)
 {
     static const char *const rings[] = {"ocd-ib-k1", "ocd-ib-k2", "ocd-ib-k3"};
 
@@ -135,7 +135,7 @@ static void test_at_rest(void **state)
     static struct fixture fixture;
 
     (void)state;
-    start(&fixture);
+    start_encoders(&fixture);
     for (unsigned i = 0; i < DG_COUNT(angles); i++) {
         assert_int_equal(dg_shaft_set_position(&fixture.shaft, fixture.hf.now, angles[i]), DG_OK);
         expect_agreement(&fixture);
@@ -148,7 +148,7 @@ static void test_turning(void **state)
     static struct fixture fixture;
 
     (void)state;
-    start(&fixture);
+    start_encoders(&fixture);
     for (unsigned i = 0; i < DG_COUNT(speeds); i++) {
         assert_int_equal(dg_shaft_set_velocity(&fixture.shaft, fixture.hf.now, speeds[i]), DG_OK);
         for (unsigned round = 0; round < ROUNDS; round++) {
@@ -162,7 +162,7 @@ static void test_on_the_way(void **state)
     static struct fixture fixture;
 
     (void)state;
-    start(&fixture);
+    start_encoders(&fixture);
     assert_int_equal(dg_shaft_set_acceleration(&fixture.shaft, 3000000), DG_OK);
     for (unsigned round = 0; round < ROUNDS; round++) {
         const dg_angle target = (round % 2 == 0 ? 1 : -1) * 5 * DG_TURN;
@@ -180,7 +180,7 @@ static void test_behind_gears(void **state)
 
     (void)state;
     dg_shaft_init(&motor);
-    start(&fixture);
+    start_encoders(&fixture);
     assert_int_equal(dg_shaft_couple(&fixture.shaft, &motor, -7, 3), DG_OK);
     assert_int_equal(dg_shaft_set_velocity(&motor, fixture.hf.now, 1234567), DG_OK);
     for (unsigned round = 0; round < ROUNDS; round++) {

@@ -67,7 +67,7 @@ static dg_ns random_moment(dg_ns now, uint64_t *seed)
     }
 }
 
-static void start(uint8_t count, uint64_t *seed)
+static void start_chain(uint8_t count, uint64_t *seed)
 {
     struct dg_biss_model model = *dg_biss_model_of(dg_device_find("s3684-biss"));
 
@@ -83,7 +83,7 @@ static void start(uint8_t count, uint64_t *seed)
 
 static void run(uint8_t count, uint32_t edges, uint64_t *seed)
 {
-    start(count, seed);
+    start_chain(count, seed);
     struct dg_biss_chain plain = chain_of(&rig[0], count);
     struct dg_biss_chain linked = chain_of(&rig[1], count);
     dg_ns now = rig[0].now;

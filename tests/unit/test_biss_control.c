@@ -26,7 +26,7 @@ static int setup(void **state)
            biss_rig_power_on(&rig) != DG_OK;
 }
 
-static void send(const char *cdm, const char *expected)
+static void send_cdm(const char *cdm, const char *expected)
 {
     char wanted[512];
     char cds[512];
@@ -47,8 +47,8 @@ static void test_read_frame(void **state)
     (void)state;
     biss_rig_zeros(&rig);
     /*    S CTS ID ADR     CRC  R W S  data     CRC  P  */
-    send("1 1 000 1111000 0101 1 0 1 00000000 0000 0 0",
-         "0 1 0000000 0 0000000 1 0 1 01001011 0110 0");
+    send_cdm("1 1 000 1111000 0101 1 0 1 00000000 0000 0 0",
+             "0 1 0000000 0 0000000 1 0 1 01001011 0110 0");
 }
 
 /* The example's frame reads 78h = 4Bh: a device whose first byte of the id is 4Bh. */
@@ -65,8 +65,8 @@ static void test_write_frame(void **state)
 {
     (void)state;
     biss_rig_zeros(&rig);
-    send("1 1 000 0011011 1101 0 1 1 10100101 0100 0 0",
-         "0 1 0000000 0 0000000 0 1 1 10100101 0100 0");
+    send_cdm("1 1 000 0011011 1101 0 1 1 10100101 0100 0 0",
+             "0 1 0000000 0 0000000 0 1 1 10100101 0100 0");
     assert_int_equal(rig.slave[0].config[0], 0xA5 & 0xC7);
 }
 
@@ -77,8 +77,8 @@ static void test_sequential_read(void **state)
 
     (void)state;
     biss_rig_zeros(&rig);
-    send("1 1 000 1111000 0101 1 0 1 00000000 0000 0 1 00000000 0000 0 1 00000000 0000 0 0",
-         "0 1 0000000 0 0000000 1 0 1 00000100 0011 0 1 00000000 1111 0 1 11000000 0110 0");
+    send_cdm("1 1 000 1111000 0101 1 0 1 00000000 0000 0 1 00000000 0000 0 1 00000000 0000 0 0",
+             "0 1 0000000 0 0000000 1 0 1 00000100 0011 0 1 00000000 1111 0 1 11000000 0110 0");
     assert_int_equal(biss_rig_read(&rig, 0, 0x78, bytes, sizeof bytes), 8);
     assert_memory_equal(bytes, "\x04\x00\xC0\x15\x00\x00\x4B\x55", 8);
     assert_true(rig.p);
@@ -103,8 +103,8 @@ static void test_sequence_ends(void **state)
     /* 6Bh of 37 degC, the byte behind it, and no S for a master that goes on after P = 1. */
     rig.world.temperature_mdegc = 37000;
     biss_rig_zeros(&rig);
-    send("1 1 000 1101011 0101 1 0 1 00000000 0000 0 1 00000000 0000 0 1 00000000 0000 0 0",
-         "0 1 0000000 0 0000000 1 0 1 00000001 1100 0 1 00000000 1111 1 0 00000000 0000 0");
+    send_cdm("1 1 000 1101011 0101 1 0 1 00000000 0000 0 1 00000000 0000 0 1 00000000 0000 0 0",
+             "0 1 0000000 0 0000000 1 0 1 00000001 1100 0 1 00000000 1111 1 0 00000000 0000 0");
     assert_int_equal(rig.slave[0].counters.refused, 3);
 }
 
@@ -124,8 +124,8 @@ static void test_early_stop_bit(void **state)
     assert_false(rig.p);
     rig.world.temperature_mdegc = 37000;
     biss_rig_zeros(&rig);
-    send("1 1 000 1101011 0101 1 0 1 00000000 0000 0 1 00000000 0000 0 0",
-         "0 1 0000000 0 0000000 1 0 1 00000001 1100 1 0 00000000 0000 0");
+    send_cdm("1 1 000 1101011 0101 1 0 1 00000000 0000 0 1 00000000 0000 0 0",
+             "0 1 0000000 0 0000000 1 0 1 00000001 1100 1 0 00000000 0000 0");
     assert_int_equal(rig.slave[0].counters.refused, 0);
 }
 
@@ -134,11 +134,11 @@ static void test_stops_at_s(void **state)
 {
     (void)state;
     biss_rig_zeros(&rig);
-    send("1 1 000 0011100 0100 0 1 0 1 10100101 0100 0 0",
-         "0 1 0000000 0 0000000 0 1 0 0 00000000 0000 0");
+    send_cdm("1 1 000 0011100 0100 0 1 0 1 10100101 0100 0 0",
+             "0 1 0000000 0 0000000 0 1 0 0 00000000 0000 0");
     biss_rig_zeros(&rig);
-    send("1 1 000 0011100 0100 0 1 1 10100101 0100 0 0 0 1 10100101 0100 0 0",
-         "0 1 0000000 0 0000000 0 1 1 10100101 0100 0 0 0 00000000 0000 00");
+    send_cdm("1 1 000 0011100 0100 0 1 1 10100101 0100 0 0 0 1 10100101 0100 0 0",
+             "0 1 0000000 0 0000000 0 1 1 10100101 0100 0 0 0 00000000 0000 00");
     assert_int_equal(rig.slave[0].config[1], 0xA5);
     assert_int_equal(rig.slave[0].config[2], 0);
     assert_int_equal(rig.slave[0].counters.writes, 1);
@@ -155,8 +155,8 @@ static void test_refused(void **state)
     assert_int_equal(rig.slave[0].counters.refused, 3);
     /* No S follows, whatever the master sends. */
     biss_rig_zeros(&rig);
-    send("1 1 000 1001000 1010 1 0 1 1 1 1 1 0000 0000 0 0 0",
-         "0 1 0000000 0 0000000 1 1 0 0 0 0 0 0000 0000 0 0");
+    send_cdm("1 1 000 1001000 1010 1 0 1 1 1 1 1 0000 0000 0 0 0",
+             "0 1 0000000 0 0000000 1 1 0 0 0 0 0 0000 0000 0 0");
     assert_int_equal(rig.slave[0].counters.reads, 0);
 }
 
@@ -165,9 +165,9 @@ static void test_r_equals_w(void **state)
 {
     (void)state;
     biss_rig_zeros(&rig);
-    send("1 1 000 1111000 0101 0 0 1 0000 0000", "0 1 0000000 0 0000000 0 0 0000 0000");
+    send_cdm("1 1 000 1111000 0101 0 0 1 0000 0000", "0 1 0000000 0 0000000 0 0 0000 0000");
     biss_rig_zeros(&rig);
-    send("1 1 000 1111000 0101 1 1 1 0000 0000", "0 1 0000000 0 0000000 1 1 0000 0000");
+    send_cdm("1 1 000 1111000 0101 1 1 1 0000 0000", "0 1 0000000 0 0000000 1 1 0000 0000");
     assert_int_equal(rig.slave[0].counters.refused, 2);
 }
 
@@ -191,7 +191,7 @@ static void test_bad_address_crc(void **state)
         }
         frame[i] ^= 1; /* one bit of CTS, ID, ADR or CRC */
         biss_rig_zeros(&rig);
-        send(frame, "0 1 0000000 0 0000000 0 0 0 00000000 0000 0");
+        send_cdm(frame, "0 1 0000000 0 0000000 0 0 0 00000000 0000 0");
         frame[i] ^= 1;
     }
     assert_int_equal(rig.slave[0].counters.damaged, 15);
@@ -213,7 +213,7 @@ static void test_bad_write_data(void **state)
         frame[i] ^= 1;
         memcpy(&expected[sizeof "0 1 0000000 0 0000000 0 1 1"], &frame[data], 13);
         biss_rig_zeros(&rig);
-        send(frame, expected);
+        send_cdm(frame, expected);
         frame[i] ^= 1;
         assert_int_equal(rig.slave[0].config[0], before);
     }
@@ -232,11 +232,11 @@ static void test_too_few_zeros(void **state)
         for (unsigned i = 0; i < zeros; i++) {
             (void)biss_rig_frame(&rig, false);
         }
-        send(frame, "0 0 0000000 0 0000000 0 0 0 00000000 0000 0");
+        send_cdm(frame, "0 0 0000000 0 0000000 0 0 0 00000000 0000 0");
         assert_int_equal(rig.slave[0].counters.reads, 0);
     }
     biss_rig_zeros(&rig);
-    send(frame, "0 1 0000000 0 0000000 1 0 1 00000100 0011 0");
+    send_cdm(frame, "0 1 0000000 0 0000000 1 0 1 00000100 0011 0");
 }
 
 /* 14 zeros in any place of a frame, and the next one is understood: a read, a write, an addressed
@@ -272,8 +272,8 @@ static void test_aborted_anywhere(void **state)
             biss_rig_send(&rig, part, cds);
             biss_rig_zeros(&rig);
             assert_int_equal(rig.slave[0].control.state, DG_BISS_CONTROL_READY);
-            send("1 1 000 1111110 1111 1 0 1 00000000 0000 0 0",
-                 "0 1 0000000 0 0000000 1 0 1 01001011 0110 0");
+            send_cdm("1 1 000 1111110 1111 1 0 1 00000000 0000 0 0",
+                     "0 1 0000000 0 0000000 1 0 1 01001011 0110 0");
         }
     }
 }
@@ -283,8 +283,8 @@ static void test_stray_bits_in_read(void **state)
 {
     (void)state;
     biss_rig_zeros(&rig);
-    send("1 1 000 1111110 1111 1 0 1 10000000 0000 0 1 11111111 1111 1 0",
-         "0 1 0000000 0 0000000 1 0 1 01001011 0110 0 1 01010101 0010 0");
+    send_cdm("1 1 000 1111110 1111 1 0 1 10000000 0000 0 1 11111111 1111 1 0",
+             "0 1 0000000 0 0000000 1 0 1 01001011 0110 0 1 01010101 0010 0");
 }
 
 /* A user bank is busy: S comes late, the master repeats its own. */
@@ -415,7 +415,7 @@ static void test_command_frames(void **state)
     }
     rig.data_bits = 35;
     biss_rig_zeros(&rig);
-    send("1 0 10000000 01 0001 1 0000000 0 0", "0 1 0000000000 00000 1 0000000 0");
+    send_cdm("1 0 10000000 01 0001 1 0000000 0 0", "0 1 0000000000 00000 1 0000000 0");
 }
 
 /* Two clocks and the CDM bit are enough for a broadcast. */
@@ -461,7 +461,7 @@ static void test_chain(void **state)
         assert_int_equal(rig.clocks, 1u + count);
         char expected[64];
         (void)snprintf(expected, sizeof expected, "0 %s 0000000 0", idl);
-        send("1 1 111 1111000 0000 0", expected);
+        send_cdm("1 1 111 1111000 0000 0", expected);
         for (uint8_t i = 0; i < count; i++) {
             uint8_t byte = 0;
             const uint8_t id = (uint8_t)(count - 1u - i);

@@ -17,7 +17,7 @@
 
 static struct biss_rig rig;
 
-static int start(const char *model)
+static int start_encoder(const char *model)
 {
     return biss_rig_init(&rig, dg_biss_model_of(dg_device_find(model)), 1) != DG_OK ||
            biss_rig_power_on(&rig) != DG_OK;
@@ -26,7 +26,7 @@ static int start(const char *model)
 static int setup(void **state)
 {
     (void)state;
-    return start("s3674-biss");
+    return start_encoder("s3674-biss");
 }
 
 static void test_table(void **state)
@@ -130,7 +130,7 @@ static void test_eds_profile(void **state)
     finish(expected);
     read_bank(4, bytes);
     assert_memory_equal(bytes, expected, 64);
-    assert_int_equal(start("s3684-biss"), 0);
+    assert_int_equal(start_encoder("s3684-biss"), 0);
     expected[0x03] = 35;
     expected[0x0A] = 12;
     expected[0x12] = 0x10; /* 4096 turns */
@@ -153,7 +153,7 @@ static void test_identity(void **state)
     rig.model.serial = 0x01020304;
     assert_int_equal(biss_rig_read(&rig, 0, 0x41, bytes, 7), 7);
     assert_memory_equal(bytes, "\x03\x62\x17\x01\x02\x03\x04", 7);
-    assert_int_equal(start("s3684-biss"), 0);
+    assert_int_equal(start_encoder("s3684-biss"), 0);
     assert_int_equal(biss_rig_read(&rig, 0, 0x78, bytes, 8), 8);
     assert_memory_equal(bytes, "\x04\x00\xCC\x15\x00\x00\x4B\x55", 8);
 }
@@ -188,7 +188,7 @@ static void test_position_registers(void **state)
     uint8_t bytes[7];
 
     (void)state;
-    assert_int_equal(start("s3684-biss"), 0);
+    assert_int_equal(start_encoder("s3684-biss"), 0);
     rig.angle = (dg_angle)0x5A5 * DG_TURN + dg_angle_of_counts(0x123456, 1u << 21);
     assert_true(position() == ((uint64_t)0x5A5 << 21 | 0x123456));
     assert_int_equal(biss_rig_read(&rig, 0, 0x61, bytes, 7), 7);
@@ -208,7 +208,7 @@ static void test_offset_and_direction(void **state)
     const uint64_t range = (uint64_t)1 << 33;
 
     (void)state;
-    assert_int_equal(start("s3684-biss"), 0);
+    assert_int_equal(start_encoder("s3684-biss"), 0);
     rig.angle = DG_TURN / 2;
     assert_true(position() == 2 * quarter);
     assert_int_equal(biss_rig_write(&rig, 0, 0x1B, offset, 7), 7);

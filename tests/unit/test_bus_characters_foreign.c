@@ -69,7 +69,7 @@ static void make_line(struct line *self, struct dg_encoder *control)
     assert_int_equal(dg_bus_attach(self->bus, host, control), 0);
 }
 
-static void say(struct line *self, dg_ns at, uint32_t baud, char parity, uint8_t byte)
+static void send_character(struct line *self, dg_ns at, uint32_t baud, char parity, uint8_t byte)
 {
     const struct dg_tap_event event = {
         .at = at, .kind = DG_TAP_CHARACTER, .character = {baud, parity, byte, false}};
@@ -87,7 +87,7 @@ static void it_answers_with_its_own_frame(void **state)
 
     (void)state;
     make_line(&line, NULL);
-    say(&line, READY, DG_ELEVEN_BAUD, 'N', 0x02);
+    send_character(&line, READY, DG_ELEVEN_BAUD, 'N', 0x02);
     assert_int_equal(line.count, DG_ELEVEN_REPLY);
     for (size_t i = 0; i < DG_ELEVEN_REPLY; i++) {
         assert_int_equal(line.sent[i].character.byte, expected[i]);
@@ -96,7 +96,7 @@ static void it_answers_with_its_own_frame(void **state)
         assert_int_equal(line.sent[i].character.baud, DG_ELEVEN_BAUD);
         assert_int_equal(line.sent[i].character.parity, 'N');
     }
-    say(&line, 2 * READY, 9600, 'N', 0x02);
+    send_character(&line, 2 * READY, 9600, 'N', 0x02);
     assert_int_equal(line.count, 0);
 }
 
@@ -110,10 +110,10 @@ static void it_may_be_deaf(void **state)
     control.faults.wire = 1u << DG_WIRE_DEAF;
     control.faults.fault[0] =
         (struct dg_fault){.active = true, .left = 1, .probability_ppm = 1000000, .until = DG_NEVER};
-    say(&line, READY, DG_ELEVEN_BAUD, 'N', 0x8A); /* for slot 1: not its loss */
-    say(&line, READY + MS, DG_ELEVEN_BAUD, 'N', 0x02);
+    send_character(&line, READY, DG_ELEVEN_BAUD, 'N', 0x8A); /* for slot 1: not its loss */
+    send_character(&line, READY + MS, DG_ELEVEN_BAUD, 'N', 0x02);
     assert_int_equal(line.count, 0);
-    say(&line, 2 * READY, DG_ELEVEN_BAUD, 'N', 0x02);
+    send_character(&line, 2 * READY, DG_ELEVEN_BAUD, 'N', 0x02);
     assert_int_equal(line.count, DG_ELEVEN_REPLY);
 }
 
@@ -131,14 +131,14 @@ static void it_may_be_beside_another_protocol(void **state)
     assert_int_equal(dg_bus_attach(line.bus, neighbour, NULL), 1);
     const struct dg_eleven *eleven = dg_host_line_of(line.host)->device;
     const struct dg_hf *s36 = dg_host_line_of(neighbour)->device;
-    say(&line, READY, DG_ELEVEN_BAUD, 'N', 0x02);
+    send_character(&line, READY, DG_ELEVEN_BAUD, 'N', 0x02);
     assert_int_equal(line.count, DG_ELEVEN_REPLY);
     assert_int_equal(line.sent[0].character.byte, expected[0]);
     (void)dg_bus_step(line.bus, 2 * READY);
     assert_int_equal(s36->counters.frames, 0);
     assert_true(s36->counters.damaged > 0);
     for (unsigned i = 0; i < sizeof request; i++) {
-        say(&line, 2 * READY + (i + 1) * 2 * MS, 9600, 'E', request[i]);
+        send_character(&line, 2 * READY + (i + 1) * 2 * MS, 9600, 'E', request[i]);
     }
     (void)dg_bus_step(line.bus, 3 * READY);
     assert_int_equal(line.count, 7);

@@ -44,7 +44,7 @@ static const struct row {
     {"ocd-ib-k3", &dg_bus_words, &ring, DG_TAP_WORDS, false},
 };
 
-static void send(void *ctx, size_t place, const struct dg_tap_event *event)
+static void ignore_event(void *ctx, size_t place, const struct dg_tap_event *event)
 {
     (void)ctx;
     (void)place;
@@ -52,9 +52,9 @@ static void send(void *ctx, size_t place, const struct dg_tap_event *event)
 }
 
 /* A bus of one encoder that has been on for a second. */
-static struct dg_bus *start(const struct row *row)
+static struct dg_bus *start_bus(const struct row *row)
 {
-    static const struct dg_bus_ops ops = {.tx = send};
+    static const struct dg_bus_ops ops = {.tx = ignore_event};
     const struct dg_bus_setup setup = {sizeof setup, row->medium, 1, row->wire, &ops, NULL};
     struct dg_bus *bus = dg_bus_init(of_bus, sizeof of_bus, &setup);
     const struct dg_device *model = dg_device_find(row->model);
@@ -73,7 +73,7 @@ static void a_step_to_it_is_none(void **state)
 {
     (void)state;
     for (size_t i = 0; i < DG_COUNT(rows); i++) {
-        struct dg_bus *bus = start(&rows[i]);
+        struct dg_bus *bus = start_bus(&rows[i]);
         const dg_ns next = dg_bus_next(bus);
 
         assert_true(next > NOW && (next != DG_NEVER) == rows[i].stirs);
@@ -90,7 +90,7 @@ static void what_comes_then_comes_now(void **state)
 {
     (void)state;
     for (size_t i = 0; i < DG_COUNT(rows); i++) {
-        struct dg_bus *bus = start(&rows[i]);
+        struct dg_bus *bus = start_bus(&rows[i]);
         const struct dg_tap_event event = {.at = DG_NEVER, .kind = rows[i].kind};
 
         (void)dg_bus_rx(bus, &event);

@@ -183,7 +183,7 @@ static struct dg_host_panel *make_panel(void)
     return panel;
 }
 
-static void bend(struct dg_host_panel *panel, dg_ns now, const char *name, bool on)
+static void set_wire_fault(struct dg_host_panel *panel, dg_ns now, const char *name, bool on)
 {
     dg_bus_look(rig.bus, now);
     assert_int_equal(dg_host_fault_set(panel, now, name, on), DG_HOST_OK);
@@ -196,11 +196,11 @@ static void a_fault_happens_once(void **state)
     (void)state;
     make_frames();
     struct dg_host_panel *panel = make_panel();
-    bend(panel, SECOND, "wire_duplicate", true);
+    set_wire_fault(panel, SECOND, "wire_duplicate", true);
     upload(SECOND + MS);
     assert_int_equal(rig.queue.count, 2);
-    bend(panel, SECOND + 2 * MS, "wire_duplicate", false);
-    bend(panel, SECOND + 2 * MS, "wire_delay", true);
+    set_wire_fault(panel, SECOND + 2 * MS, "wire_duplicate", false);
+    set_wire_fault(panel, SECOND + 2 * MS, "wire_delay", true);
     rig.queue.count = 0;
     upload(SECOND + 3 * MS);
     assert_int_equal(rig.queue.count, 0);

@@ -25,7 +25,7 @@ static alignas(DG_HOST_ALIGN) uint8_t of_encoder[ROOM];
 static alignas(DG_HOST_ALIGN) uint8_t of_bus[ROOM + 1u];
 static unsigned said;
 
-static void send(void *ctx, size_t place, const struct dg_tap_event *event)
+static void count_event(void *ctx, size_t place, const struct dg_tap_event *event)
 {
     (void)ctx;
     (void)place;
@@ -33,7 +33,7 @@ static void send(void *ctx, size_t place, const struct dg_tap_event *event)
     said++;
 }
 
-static const struct dg_bus_ops ops = {.tx = send};
+static const struct dg_bus_ops ops = {.tx = count_event};
 static const struct dg_bus_ops no_tx;
 
 static struct dg_bus *make(const struct dg_bus_setup *setup, size_t size, size_t offset)

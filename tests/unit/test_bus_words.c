@@ -519,7 +519,7 @@ static void nobody_waits_for_the_operating_time(void **state)
 
 static char told[512];
 
-static void hear(void *ctx, const struct dg_tap_event *event)
+static void keep_event(void *ctx, const struct dg_tap_event *event)
 {
     const size_t used = strlen(told);
 
@@ -541,7 +541,7 @@ static void hear(void *ctx, const struct dg_tap_event *event)
 static int set_up_tapped(void **state)
 {
     (void)set_up_closed(state);
-    rig.ops.tap = hear;
+    rig.ops.tap = keep_event;
     rig.wire.identifies = true;
     told[0] = '\0';
     open_ring();

@@ -161,7 +161,7 @@ static uint32_t get(uint16_t index, uint8_t sub)
     return dg_load_le32(&answer->data[4]);
 }
 
-static uint32_t put(uint8_t command, uint16_t index, uint8_t sub, uint32_t value)
+static uint32_t put_value(uint8_t command, uint16_t index, uint8_t sub, uint32_t value)
 {
     const struct dg_can_frame *answer = sdo(command, index, sub, value);
 
@@ -184,7 +184,7 @@ static void defaults_are_its_own(void **state)
 {
     (void)state;
     assert_int_equal(get(0x1017, 0), 1000);
-    assert_int_equal(put(0x2B, 0x1017, 0, 0), 0);
+    assert_int_equal(put_value(0x2B, 0x1017, 0, 0), 0);
     assert_int_equal(get(0x6005, 0), 1);
     assert_int_equal(get(0x1029, 2), 0); /* the stack's */
     assert_int_equal(get(0x1801, 2), 255);
@@ -198,7 +198,7 @@ static void its_tpdo_carries_its_object(void **state)
     assert_int_equal(get(0x1A01, 0), 0);
     assert_int_equal(get(0x1800, 1), 0x180u + NODE_ID);
     assert_int_equal(get(0x1801, 1), 0x80000280u + NODE_ID);
-    assert_int_equal(put(0x2B, 0x1017, 0, 0), 0);
+    assert_int_equal(put_value(0x2B, 0x1017, 0, 0), 0);
     receive(0, 2, 0x01); /* NMT start */
     count = 0;
     inputs = 0xA5;
@@ -250,9 +250,9 @@ static void damaged_bus_parameters_become_the_delivered_ones(void **state)
 static void saving_takes_as_long_as_it_says(void **state)
 {
     (void)state;
-    assert_int_equal(put(0x2F, 0x6005, 0, 0), 0);
-    assert_int_equal(put(0x23, 0x1010, 1, SAVE), 0);
-    assert_int_equal(put(0x23, 0x2000, 0, SAVE), 0);
+    assert_int_equal(put_value(0x2F, 0x6005, 0, 0), 0);
+    assert_int_equal(put_value(0x23, 0x1010, 1, SAVE), 0);
+    assert_int_equal(put_value(0x23, 0x2000, 0, SAVE), 0);
     dg_co_power_off(&node);
     power_on();
     assert_int_equal(get(0x6005, 0), 0);

@@ -32,7 +32,7 @@ static struct dg_co_device bare;
 static const struct dg_co_device *const device = &bare;
 static const struct dg_cia406_model model = {.turns = 4096, .device = &bare};
 
-static void start(void)
+static void start_node(void)
 {
     bare = dg_cia406_multiturn;
     bare.step = NULL;
@@ -42,7 +42,7 @@ static void start(void)
 static int setup(void **state)
 {
     (void)state;
-    start();
+    start_node();
     return 0;
 }
 
@@ -214,7 +214,7 @@ static void a_reset_or_stop_takes_the_delayed_answer_with_it(void **state)
     static const uint8_t nmt[] = {0x02, 0x81, 0x82};
     (void)state;
     for (size_t i = 0; i < DG_COUNT(nmt); i++) {
-        start();
+        start_node();
         co_rig_rx(&rig, SDO_RX, commands[0].right);
         co_rig_nmt(&rig, nmt[i]);
         co_rig_run(&rig, DG_MS(100));
@@ -228,7 +228,7 @@ static void no_answer_from_the_memory_is_told(void **state)
 {
     (void)state;
     for (unsigned how = 0; how < 2; how++) {
-        start();
+        start_node();
         rig.nvm.no_acknowledge = how == 0;
         rig.world.eeprom_acknowledges = how != 0 ? false : true;
         for (size_t i = 0; i < DG_COUNT(commands); i++) {
@@ -259,7 +259,7 @@ static void parameters_that_cannot_be_read_are_the_defaults_and_an_emergency(voi
         const uint8_t command[2] = {nmt[i / 2], 0};
         struct dg_can_frame frame = {.dlc = 2};
         memcpy(frame.data, command, sizeof command);
-        start();
+        start_node();
         write_ok(0x100C, 0, 500, 2);
         write_ok(0x1010, 1, SAVE, 4);
         rig.nvm.no_acknowledge = i % 2 == 0;
@@ -340,7 +340,7 @@ struct sight {
     uint32_t value[DG_CO_VALUES_MAX];
 };
 
-static void look(struct sight *sight)
+static void look_at_node(struct sight *sight)
 {
     memset(sight, 0, sizeof *sight);
     sight->id = rig.node.id;
@@ -363,7 +363,7 @@ static bool same(const struct sight *a, const struct sight *b)
 /* Every region differs from its default, the node-ID does not. */
 static void live_in(void)
 {
-    start();
+    start_node();
     write_ok(0x100C, 0, 500, 2);
     write_ok(0x1017, 0, 1000, 2);
     write_ok(0x1016, 1, 0x00120064, 4);
@@ -408,12 +408,12 @@ static void a_damaged_region_is_the_default_and_the_others_stay(void **state)
 
     for (uint8_t region = 0; region < stack_regions; region++) {
         live_in();
-        look(&expected);
+        look_at_node(&expected);
         rig.nvm.bytes[dg_store_address(device->layout, region)] ^= 0x10;
         power_cycle();
         assert_int_equal(rig.frame[0].id, BOOT_UP);
         co_rig_expect(&rig, rig.count - 1, EMCY, DAMAGED);
-        look(&seen);
+        look_at_node(&seen);
         damage(&expected, region);
         assert_true(same(&seen, &expected));
         assert_int_equal(read_ok(0x1001, 0), 1);
@@ -464,7 +464,7 @@ static void every_bit_that_rots_is_noticed_or_does_not_matter(void **state)
     (void)state;
 
     live_in();
-    look(&whole);
+    look_at_node(&whole);
     lived_in = rig;
     for (uint32_t bit = 0; bit < 8u * rig.nvm.size; bit += effort(5, 1)) {
         struct sight expected = whole;
@@ -472,7 +472,7 @@ static void every_bit_that_rots_is_noticed_or_does_not_matter(void **state)
         rig = lived_in;
         rig.nvm.bytes[bit / 8u] ^= (uint8_t)(1u << bit % 8u);
         power_cycle();
-        look(&seen);
+        look_at_node(&seen);
         damage(&expected, region);
         assert_true(same(&seen, &expected));
         const bool noticed = region >= 0 && region < stack_regions;
@@ -614,11 +614,11 @@ static void assert_old_or_new(bool acknowledged)
     bool failed = true;
     powerless = rig;
     (void)start_again(-1, RAM_NVM_ORDERED, 0);
-    look(&seen);
+    look_at_node(&seen);
     assert_true(same(&seen, &after) || (!acknowledged && same(&seen, &before)));
     for (int cut = 0; failed; cut++) {
         failed = start_again(cut, (enum ram_nvm_tear)(cut % RAM_NVM_TEAR_COUNT), 3);
-        look(&again);
+        look_at_node(&again);
         assert_true(same(&again, &seen));
     }
 }
@@ -629,13 +629,13 @@ static void power_may_fail(void **state)
 
     store->before();
     lived_in = rig;
-    look(&before);
+    look_at_node(&before);
     const uint32_t first = rig.nvm.writes;
     assert_true(store->act());
     const uint32_t writes = rig.nvm.writes - first;
     assert_in_range(writes, 3, 100);
     power_cycle();
-    look(&after);
+    look_at_node(&after);
     assert_false(same(&before, &after));
     for (uint32_t cut = 0; cut <= writes; cut++) {
         for (unsigned tear = 0; tear < RAM_NVM_TEAR_COUNT; tear++) {

@@ -44,7 +44,7 @@ static const char file[] =
 
 static struct eds_rig rig;
 
-static void start(void)
+static void start_node(void)
 {
     eds_rig_start(&rig, file);
 }
@@ -72,7 +72,7 @@ static void expect_hello(void)
 static void a_text_is_read_in_segments(void **state)
 {
     (void)state;
-    start();
+    start_node();
     assert_int_equal(rig.note_count, 0);
     expect_hello();
     ask("40 02 21 00", "41 02 21 00 05 00 00 00");
@@ -85,7 +85,7 @@ static void a_text_is_read_in_segments(void **state)
 static void a_text_is_written_in_segments(void **state)
 {
     (void)state;
-    start();
+    start_node();
     ask("21 00 21 00 09 00 00 00", "60 00 21 00" ZEROS);
     ask("00 " TEXT, "20 00 00 00" ZEROS);
     ask("1B 65 72 00" ZEROS, "30 00 00 00" ZEROS);
@@ -105,7 +105,7 @@ static void a_text_is_written_in_segments(void **state)
 static void short_ones_go_at_once(void **state)
 {
     (void)state;
-    start();
+    start_node();
     ask("2B 00 21 00 61 62 00 00", "60 00 21 00" ZEROS);
     ask("40 00 21 00", "4B 00 21 00 61 62 00 00");
     ask("22 00 21 00 61 62 63 64", "60 00 21 00" ZEROS);
@@ -115,7 +115,7 @@ static void short_ones_go_at_once(void **state)
 static void what_is_half_written_is_not_there(void **state)
 {
     (void)state;
-    start();
+    start_node();
     ask("21 00 21 00 09 00 00 00", "60 00 21 00" ZEROS);
     ask("00 " TEXT, "20 00 00 00" ZEROS);
     expect_hello(); /* which ends the other one */
@@ -135,7 +135,7 @@ static void what_is_half_written_is_not_there(void **state)
 static void lengths_are_looked_at(void **state)
 {
     (void)state;
-    start();
+    start_node();
     ask("21 00 21 00 01 04 00 00", "80 00 21 00 12 00 07 06"); /* 1025 */
     ask("21 00 21 00 09 00 00 00", "60 00 21 00" ZEROS);
     ask("01 " TEXT, "80 00 21 00 10 00 07 06"); /* 7 of 9 */
@@ -148,7 +148,7 @@ static void lengths_are_looked_at(void **state)
 static void access_is_looked_at(void **state)
 {
     (void)state;
-    start();
+    start_node();
     ask("40 06 21 00", "80 06 21 00 01 00 01 06");
     ask("A0 06 21 00 7F 00 00 00", "80 06 21 00 01 00 01 06");
     ask("23 02 21 00 01 02 03 04", "80 02 21 00 02 00 01 06");
@@ -163,7 +163,7 @@ static void access_is_looked_at(void **state)
 static void numbers_of_64_bits_have_segments(void **state)
 {
     (void)state;
-    start();
+    start_node();
     ask("40 04 21 00", "41 04 21 00 08 00 00 00");
     ask("60", "00 EF CD AB 89 67 45 23");
     ask("70", "1D 01 00 00" ZEROS);
@@ -183,7 +183,7 @@ static void numbers_of_64_bits_have_segments(void **state)
 static void numbers_of_64_bits_have_limits(void **state)
 {
     (void)state;
-    start();
+    start_node();
     ask("21 05 21 00 08 00 00 00", "60 05 21 00" ZEROS);
     ask("00 0B 00 00 00 00 00 00", "20 00 00 00" ZEROS);
     ask("1D 00 00 00" ZEROS, "80 05 21 00 30 00 09 06"); /* 11 */
@@ -201,7 +201,7 @@ static void numbers_of_64_bits_have_limits(void **state)
 static void numbers_of_24_bits_go_at_once(void **state)
 {
     (void)state;
-    start();
+    start_node();
     ask("40 07 21 00", "47 07 21 00 56 34 12 00");
     ask("27 07 21 00 01 02 03 00", "60 07 21 00" ZEROS);
     ask("40 07 21 00", "47 07 21 00 01 02 03 00");
@@ -216,7 +216,7 @@ static void numbers_of_24_bits_go_at_once(void **state)
 static void a_text_is_written_in_a_block(void **state)
 {
     (void)state;
-    start();
+    start_node();
     ask("C6 00 21 00 09 00 00 00", "A4 00 21 00 1F 00 00 00");
     ask("01 " TEXT, "");
     ask("82 65 72 00" ZEROS, "A2 02 1F 00" ZEROS);
@@ -304,7 +304,7 @@ static void expect_pattern(uint32_t n)
 static void a_domain_of_1_kb_is_written_in_blocks(void **state)
 {
     (void)state;
-    start();
+    start_node();
     write_whole(LONG_MAX_BYTES, "C6 01 21 00 00 04 00 00", "D5 F2 FF 00" ZEROS);
     expect_pattern(LONG_MAX_BYTES);
     write_whole(SHOWN, "C4 01 21 00 00 00 00 00", "C5 00 53 00" ZEROS); /* no size; 142 * 7 + 6 */
@@ -315,7 +315,7 @@ static void a_domain_of_1_kb_is_written_in_blocks(void **state)
 static void a_lost_segment_comes_again(void **state)
 {
     (void)state;
-    start();
+    start_node();
     ask("C6 01 21 00 00 04 00 00", "A4 01 21 00 1F 00 00 00");
     co_rig_forget(&rig.co);
     send_block(0, LONG_MAX_BYTES, 3);
@@ -331,7 +331,7 @@ static void a_lost_segment_comes_again(void **state)
 static void blocks_of_too_much_are_refused_at_their_end(void **state)
 {
     (void)state;
-    start();
+    start_node();
     ask("C6 01 21 00 01 04 00 00", "80 01 21 00 12 00 07 06");
     ask("C4 01 21 00 00 00 00 00", "A4 01 21 00 1F 00 00 00");
     for (uint32_t at = 0; at < 4u * 217u; at += 217u) {
@@ -374,7 +374,7 @@ static void run_block(const char *request)
 static void a_domain_of_1_kb_is_read_in_blocks(void **state)
 {
     (void)state;
-    start();
+    start_node();
     write_whole(LONG_MAX_BYTES, "C6 01 21 00 00 04 00 00", "D5 F2 FF 00" ZEROS);
     ask("A4 01 21 00 7F 00 00 00", "C6 01 21 00 00 04 00 00");
     run_block("A3");
@@ -394,7 +394,7 @@ static void a_domain_of_1_kb_is_read_in_blocks(void **state)
 static void a_block_that_was_begun_is_given_up(void **state)
 {
     (void)state;
-    start();
+    start_node();
     write_whole(LONG_MAX_BYTES, "C6 01 21 00 00 04 00 00", "D5 F2 FF 00" ZEROS);
     ask("A4 01 21 00 7F 00 00 00", "C6 01 21 00 00 04 00 00");
     co_rig_rx(&rig.co, ASK, "A3");
@@ -420,7 +420,7 @@ static void a_block_that_was_begun_is_given_up(void **state)
 static void a_reset_brings_the_default_back(void **state)
 {
     (void)state;
-    start();
+    start_node();
     ask("2B 00 21 00 61 62 00 00", "60 00 21 00" ZEROS);
     co_rig_nmt(&rig.co, 0x82); /* communication only */
     ask("40 00 21 00", "4B 00 21 00 61 62 00 00");
@@ -452,7 +452,7 @@ static void write_hi(void)
 static void what_was_saved_comes_back(void **state)
 {
     (void)state;
-    start();
+    start_node();
     assert_int_equal(rig.file.file.longs_kept, 6);
     write_whole(LONG_MAX_BYTES, "C6 01 21 00 00 04 00 00", "D5 F2 FF 00" ZEROS);
     write_hi();
@@ -487,7 +487,7 @@ static void a_damaged_copy_is_not_taken(void **state)
 {
     uint8_t *copies;
     (void)state;
-    start();
+    start_node();
     copies = &rig.co.nvm.bytes[place_of_texts()];
     write_hi();
     save();
@@ -513,7 +513,7 @@ static void a_power_cut_leaves_one_or_the_other(void **state)
 
     (void)state;
     for (uint32_t writes = 0; !was_newer; writes++) {
-        start();
+        start_node();
         write_hi();
         save();
         ask("2B 00 21 00 78 78 00 00", "60 00 21 00" ZEROS);

@@ -43,7 +43,7 @@ static const char file[] =
 
 static struct eds_rig rig;
 
-static void start(void)
+static void start_node(void)
 {
     eds_rig_start(&rig, file);
 }
@@ -65,7 +65,7 @@ static void each_segment_has_its_own_second(void **state)
     static const char *const answers[] = {"20" ZEROS " 00 00 00", "30" ZEROS " 00 00 00"};
     static const char *const segments[] = {"00 " TEXT, "10 " TEXT};
     (void)state;
-    start();
+    start_node();
     ask("21 01 21 00 15 00 00 00", "60 01 21 00" ZEROS);
     for (size_t i = 0; i < DG_COUNT(segments); i++) {
         co_rig_run(&rig.co, DG_MS(900));
@@ -88,7 +88,7 @@ static void the_number_of_a_copy_goes_round(void **state)
 {
     const struct dg_store_layout *layout = &rig.file.file.layout;
     (void)state;
-    start();
+    start_node();
     ask("2B 00 21 00 68 69 00 00", "60 00 21 00" ZEROS);
     co_rig_put(&rig.co, 0x1010, 1, SAVE, 4);
     const int region = dg_store_find(layout, "texts");
@@ -123,7 +123,7 @@ static void a_transfer_that_somebody_has_made_is_over(void **state)
     };
     (void)state;
     for (size_t i = 0; i < DG_COUNT(rows); i++) {
-        start();
+        start_node();
         ask("21 00 21 00 09 00 00 00", "60 00 21 00" ZEROS);
         uint8_t *at = (uint8_t *)&rig.co.encoder + rig.file.file.longs_at;
         memcpy(at, rows[i].words, sizeof rows[i].words);
@@ -144,7 +144,7 @@ static void a_stored_length_that_cannot_be_is_not_used(void **state)
     static const uint16_t lengths[] = {0, 7, 9, 0xFFFF};
     (void)state;
     for (size_t i = 0; i < DG_COUNT(lengths); i++) {
-        start();
+        start_node();
         const struct dg_co_long *wide = dg_co_find_long(&rig.file.file, DG_CO_KEY(0x2104, 0));
         assert_non_null(wide);
         dg_store_le16(dg_co_long_bytes(&rig.co.node) + wide->at, lengths[i]);
@@ -155,7 +155,7 @@ static void a_stored_length_that_cannot_be_is_not_used(void **state)
 static void segments_out_of_place_are_refused(void **state)
 {
     (void)state;
-    start();
+    start_node();
     ask("C6 01 21 00 00 04 00 00", "A4 01 21 00 1F 00 00 00");
     ask("00 " TEXT, "80 01 21 00 03 00 04 05"); /* no segment 0 */
     ask("C6 01 21 00 00 04 00 00", "A4 01 21 00 1F 00 00 00");
@@ -165,7 +165,7 @@ static void segments_out_of_place_are_refused(void **state)
     ask("81 " TEXT, "A2 01 1F 00" ZEROS);
     ask("81 " TEXT, ""); /* twice */
     ask("60 00 00 00" ZEROS, "80 01 21 00 01 00 04 05");
-    start();
+    start_node();
     ask("40 00 21 00", "41 00 21 00 05 00 00 00");
     ask("70", "80 00 21 00 00 00 03 05"); /* toggle */
     ask("40 00 21 00", "41 00 21 00 05 00 00 00");
@@ -176,7 +176,7 @@ static void segments_out_of_place_are_refused(void **state)
 static void a_segment_that_comes_again_counts_once(void **state)
 {
     (void)state;
-    start();
+    start_node();
     ask("C2 01 21 00 0E 00 00 00", "A4 01 21 00 1F 00 00 00");
     ask("01 " TEXT, "");
     ask("01 " TEXT, "");
@@ -189,7 +189,7 @@ static void a_segment_that_comes_again_counts_once(void **state)
 static void more_than_there_is_room_for_is_refused(void **state)
 {
     (void)state;
-    start();
+    start_node();
     ask("20 01 21 00", "60 01 21 00" ZEROS);
     for (unsigned i = 0; i < 146; i++) {
         ask(i % 2u == 0 ? "00 " TEXT : "10 " TEXT,

@@ -39,7 +39,7 @@
 
 static struct eds_rig rig;
 
-static void start(const char *text)
+static void start_node(const char *text)
 {
     eds_rig_start(&rig, text);
 }
@@ -65,8 +65,8 @@ static void synchronise(void)
 static void a_tpdo_has_all_of_a_number_or_half(void **state)
 {
     (void)state;
-    start(HEAD WIDE TPDO("0", "0x180", "1", "0x21100040", "0")
-              TPDO("1", "0x280", "2", "0x21140020", "0x21130008"));
+    start_node(HEAD WIDE TPDO("0", "0x180", "1", "0x21100040", "0")
+                   TPDO("1", "0x280", "2", "0x21140020", "0x21130008"));
     assert_int_equal(rig.note_count, 0);
     co_rig_nmt(&rig.co, START);
     synchronise();
@@ -88,7 +88,7 @@ static void a_tpdo_has_all_of_a_number_or_half(void **state)
 static void what_cannot_be_mapped_is_refused(void **state)
 {
     (void)state;
-    start(HEAD WIDE TPDO("0", "0x180", "0", "0", "0"));
+    start_node(HEAD WIDE TPDO("0", "0x180", "0", "0", "0"));
     co_rig_put(&rig.co, 0x1800, 1, 0x800001BF, 4);
     assert_int_equal(co_rig_write(&rig.co, 0x1A00, 1, 0x21110040, 4), 0x06040041);
     assert_int_equal(co_rig_write(&rig.co, 0x1A00, 1, 0x21120038, 4), 0x06040041);
@@ -105,9 +105,9 @@ static void what_cannot_be_mapped_is_refused(void **state)
 static void a_number_behind_seven_bytes_does_not_fit(void **state)
 {
     (void)state;
-    start(HEAD WIDE "[1800sub1]\nDataType=7\nAccessType=rw\nDefaultValue=$NODEID+0x80000180\n"
-                    "[1A00]\nObjectType=9\nDataType=7\nAccessType=rw\nCompactSubObj=8\n"
-                    "[1A00sub0]\nDataType=5\nAccessType=rw\nDefaultValue=0\n");
+    start_node(HEAD WIDE "[1800sub1]\nDataType=7\nAccessType=rw\nDefaultValue=$NODEID+0x80000180\n"
+                         "[1A00]\nObjectType=9\nDataType=7\nAccessType=rw\nCompactSubObj=8\n"
+                         "[1A00sub0]\nDataType=5\nAccessType=rw\nDefaultValue=0\n");
     for (uint8_t sub = 1; sub <= 7; sub++) {
         co_rig_put(&rig.co, 0x1A00, sub, 0x21130008, 4);
     }
@@ -121,7 +121,7 @@ static void a_number_behind_seven_bytes_does_not_fit(void **state)
 static void the_position_has_64_bits(void **state)
 {
     (void)state;
-    start(HEAD WIDE TPDO("0", "0x180", "1", "0x60080040", "0"));
+    start_node(HEAD WIDE TPDO("0", "0x180", "1", "0x60080040", "0"));
     ask("21 09 60 00 08 00 00 00", "60 09 60 00" ZEROS);
     ask("00 34 12 00 00 00 00 00", "20 00 00 00" ZEROS);
     ask("1D 00 00 00" ZEROS, "30 00 00 00" ZEROS);
@@ -143,7 +143,7 @@ static void the_position_has_64_bits(void **state)
 static void a_preset_beyond_the_range_is_refused(void **state)
 {
     (void)state;
-    start(HEAD WIDE);
+    start_node(HEAD WIDE);
     ask("21 09 60 00 08 00 00 00", "60 09 60 00" ZEROS);
     ask("00 05 00 00 00 01 00 00", "20 00 00 00" ZEROS);
     ask("1D 00 00 00" ZEROS, "80 09 60 00 30 00 09 06"); /* 2^32 + 5 */

@@ -61,7 +61,7 @@ static void keep(const struct told *one)
 
 /* ------------------------------------------------------------ a rig */
 
-static void hear(void *ctx, size_t place, const struct dg_tap_event *event)
+static void keep_event(void *ctx, size_t place, const struct dg_tap_event *event)
 {
     struct told one = {.at = event->at, .what = {event->kind, (uint32_t)place}};
 
@@ -80,7 +80,7 @@ static void hear(void *ctx, size_t place, const struct dg_tap_event *event)
 static int open_door(void *ctx, size_t index, struct dg_engine_wire *to,
                      struct dg_plan_error *error)
 {
-    static const struct dg_bus_ops door = {.tx = hear};
+    static const struct dg_bus_ops door = {.tx = keep_event};
 
     (void)index;
     (void)error;
@@ -246,7 +246,7 @@ static void say_words(struct world *world, unsigned i)
 }
 
 /* What can be asked without changing anything. */
-static void look(struct world *world)
+static void look_at_world(struct world *world)
 {
     keep(&(struct told){.at = dg_engine_next(world->rig.engine), .what = {0x1000}});
     for (size_t i = 0; i < world->rig.plan.encoder_count; i++) {
@@ -272,7 +272,7 @@ static void play(const struct scene *scene, struct world *world, unsigned from, 
 {
     for (unsigned i = from; i < to; i++) {
         pass_to(world, moment_of(i));
-        look(world);
+        look_at_world(world);
         if (i % 4u == 3u) {
             disturb(scene, world, i);
         } else {

@@ -49,7 +49,7 @@ static dg_ns receive(struct hf_rig *to, const uint8_t *bytes, size_t n)
     return deadline;
 }
 
-static dg_ns step(struct hf_rig *to, dg_ns now)
+static dg_ns step_encoder(struct hf_rig *to, dg_ns now)
 {
     to->now = now;
     return dg_hf_step(&to->device, now);
@@ -157,16 +157,16 @@ static void a_frame_ends_with_the_timeout_and_is_answered_after_the_reaction_tim
     const dg_ns deadline = receive(&rig, read_position, sizeof read_position);
     const dg_ns last = rig.now;
     assert_int_equal(deadline, last + TIMEOUT);
-    assert_int_equal(step(&rig, last), deadline);
-    assert_int_equal(step(&rig, deadline - 1), deadline);
+    assert_int_equal(step_encoder(&rig, last), deadline);
+    assert_int_equal(step_encoder(&rig, deadline - 1), deadline);
     assert_int_equal(rig.device.counters.frames, 0);
-    assert_int_equal(step(&rig, deadline), deadline + REACTION);
+    assert_int_equal(step_encoder(&rig, deadline), deadline + REACTION);
     assert_int_equal(rig.device.counters.frames, 1);
-    assert_int_equal(step(&rig, deadline + REACTION - 1), deadline + REACTION);
+    assert_int_equal(step_encoder(&rig, deadline + REACTION - 1), deadline + REACTION);
     assert_int_equal(rig.replies, 0);
-    assert_int_equal(step(&rig, deadline + REACTION), DG_NEVER);
+    assert_int_equal(step_encoder(&rig, deadline + REACTION), DG_NEVER);
     assert_int_equal(rig.replies, 1);
-    assert_int_equal(step(&rig, deadline + DG_S(1)), DG_NEVER);
+    assert_int_equal(step_encoder(&rig, deadline + DG_S(1)), DG_NEVER);
     assert_int_equal(rig.replies, 1);
 }
 
@@ -176,7 +176,7 @@ static void a_late_step_replies_with_the_position_of_then(void **state)
     (void)state;
     rig.angle_per_ms = DG_TURN / 65536 * 3;
     const dg_ns deadline = receive(&rig, read_position, sizeof read_position);
-    assert_int_equal(step(&rig, deadline + DG_S(2)), DG_NEVER);
+    assert_int_equal(step_encoder(&rig, deadline + DG_S(2)), DG_NEVER);
     assert_int_equal(rig.replies, 1);
     const uint64_t position = 3u * ((deadline + DG_S(2)) / 1000000u);
     const uint8_t low[] = {(uint8_t)(position >> 16), (uint8_t)(position >> 8), (uint8_t)position};
@@ -273,7 +273,7 @@ static void time_going_backwards_is_time_standing_still(void **state)
     assert_int_equal(dg_hf_step(&rig.device, 0), deadline);
     assert_int_equal(dg_hf_rx(&rig.device, rig.now - DG_MS(5), 0x02, DG_HF_RX_OK), deadline);
     assert_int_equal(dg_hf_rx(&rig.device, 0, 0, DG_HF_RX_START), deadline + CHARACTER - 1);
-    (void)step(&rig, rig.now);
+    (void)step_encoder(&rig, rig.now);
     assert_int_equal(rig.device.counters.frames, 0);
     hf_rig_run(&rig);
     assert_int_equal(rig.replies, 1);
@@ -285,7 +285,7 @@ static void characters_before_the_reply_are_dropped(void **state)
 {
     (void)state;
     const dg_ns deadline = receive(&rig, read_position, sizeof read_position);
-    (void)step(&rig, deadline);
+    (void)step_encoder(&rig, deadline);
     for (size_t i = 0; i < sizeof read_position; i++) {
         const dg_ns now = deadline + 1 + i;
         assert_int_equal(dg_hf_rx(&rig.device, now, read_position[i], DG_HF_RX_OK),
@@ -303,9 +303,9 @@ static void no_power_no_reply(void **state)
     (void)state;
     (void)receive(&rig, read_position, sizeof read_position);
     dg_hf_power_off(&rig.device);
-    assert_int_equal(step(&rig, rig.now + DG_S(1)), DG_NEVER);
+    assert_int_equal(step_encoder(&rig, rig.now + DG_S(1)), DG_NEVER);
     assert_int_equal(receive(&rig, read_position, sizeof read_position), DG_NEVER);
-    assert_int_equal(step(&rig, rig.now + DG_S(1)), DG_NEVER);
+    assert_int_equal(step_encoder(&rig, rig.now + DG_S(1)), DG_NEVER);
     assert_int_equal(rig.replies, 0);
 }
 
@@ -328,10 +328,10 @@ static void the_window_closes_in_silence_and_the_stored_setting_comes_into_force
     assert_int_equal(dg_hf_uart(&rig.device).baud, 9600);
     const dg_ns on = rig.now;
     assert_int_equal(dg_hf_power_on(&rig.device, on), DG_OK);
-    assert_int_equal(step(&rig, on), on + DG_MS(100));
-    assert_int_equal(step(&rig, on + DG_MS(100) - 1), on + DG_MS(100));
+    assert_int_equal(step_encoder(&rig, on), on + DG_MS(100));
+    assert_int_equal(step_encoder(&rig, on + DG_MS(100) - 1), on + DG_MS(100));
     assert_int_equal(dg_hf_uart(&rig.device).baud, 9600);
-    assert_int_equal(step(&rig, on + DG_MS(100)), DG_NEVER);
+    assert_int_equal(step_encoder(&rig, on + DG_MS(100)), DG_NEVER);
     assert_int_equal(dg_hf_uart(&rig.device).baud, 38400);
     assert_int_equal(dg_hf_uart(&rig.device).parity, 'O');
 }
@@ -362,7 +362,7 @@ static void a_damaged_frame_in_the_window_does_not(void **state)
     (void)receive(&rig, damaged, sizeof damaged);
     hf_rig_run(&rig);
     assert_int_equal(rig.reply[2], DG_HF_CHECKSUM);
-    (void)step(&rig, rig.now + DG_MS(100));
+    (void)step_encoder(&rig, rig.now + DG_MS(100));
     assert_int_equal(dg_hf_uart(&rig.device).baud, 38400);
 }
 

@@ -67,7 +67,7 @@ static int set_up(void **state)
 }
 
 /* What can change, over the wire; by broadcast, to see the address, too. */
-static void look(struct sight *sight)
+static void look_at_encoder(struct sight *sight)
 {
     static const char *const looks[] = {"42",
                                         "46",
@@ -99,7 +99,7 @@ static bool same(const struct sight *a, const struct sight *b)
 
 static void assert_old_or_new(void)
 {
-    look(&seen);
+    look_at_encoder(&seen);
     assert_true(same(&seen, &before) || same(&seen, &after));
 }
 
@@ -128,7 +128,7 @@ static void assert_failure(const char *request, uint32_t nth, uint32_t count)
     if (same(&seen, &before)) {
         assert_int_equal(hf_rig_ask(&rig, request), 0);
         assert_int_equal(hf_rig_power_on(&rig), DG_OK);
-        look(&seen);
+        look_at_encoder(&seen);
         assert_true(same(&seen, &after));
     }
 }
@@ -139,13 +139,13 @@ static void every_access_of_every_command_may_fail(void **state)
     for (size_t i = 0; i < REQUESTS; i++) {
         rig = lived_in;
         assert_int_equal(hf_rig_power_on(&rig), DG_OK);
-        look(&before);
+        look_at_encoder(&before);
         rig = lived_in;
         assert_int_equal(hf_rig_ask(&rig, requests[i]), 0);
         const uint32_t accesses = rig.accesses - lived_in.accesses;
         assert_true(accesses > 0);
         assert_int_equal(hf_rig_power_on(&rig), DG_OK);
-        look(&after);
+        look_at_encoder(&after);
         for (uint32_t nth = 0; nth < accesses; nth++) {
             assert_failure(requests[i], nth, 1);
             assert_failure(requests[i], nth, EVER);
@@ -220,13 +220,13 @@ static void assert_all_answer_i2c(void)
 static void a_dead_bus_is_answered_and_heals(void **state)
 {
     (void)state;
-    look(&before);
+    look_at_encoder(&before);
     const uint32_t accesses = rig.accesses;
     rig.world.eeprom_acknowledges = false;
     assert_all_answer_i2c();
     assert_int_equal(rig.accesses, accesses);
     rig.world.eeprom_acknowledges = true;
-    look(&seen);
+    look_at_encoder(&seen);
     assert_true(same(&seen, &before));
 }
 
@@ -251,21 +251,21 @@ static void assert_started_without_memory(void)
 static void a_bus_that_is_dead_at_power_on(void **state)
 {
     (void)state;
-    look(&before);
+    look_at_encoder(&before);
     rig.world.eeprom_acknowledges = false;
     assert_int_equal(hf_rig_power_on(&rig), DG_OK);
     assert_started_without_memory();
     rig.world.eeprom_acknowledges = true;
     assert_int_equal(hf_rig_ask(&rig, "42"), DG_HF_ANGLE_OFFSET);
     assert_int_equal(hf_rig_ask(&rig, "53"), HF_RIG_SILENCE);
-    look(&seen);
+    look_at_encoder(&seen);
     assert_true(same(&seen, &before));
 }
 
 static void every_access_of_the_start_may_fail(void **state)
 {
     (void)state;
-    look(&before);
+    look_at_encoder(&before);
     rig = lived_in;
     assert_int_equal(hf_rig_power_on(&rig), DG_OK);
     const uint32_t accesses = rig.accesses - lived_in.accesses;
@@ -277,7 +277,7 @@ static void every_access_of_the_start_may_fail(void **state)
         assert_int_equal(hf_rig_power_on(&rig), DG_OK);
         assert_started_without_memory();
         assert_int_equal(hf_rig_power_on(&rig), DG_OK);
-        look(&seen);
+        look_at_encoder(&seen);
         assert_true(same(&seen, &before));
     }
 }

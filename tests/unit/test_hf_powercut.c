@@ -65,7 +65,7 @@ static void note(struct sight *sight, const uint8_t *bytes, size_t n)
 }
 
 /* Ask by broadcast, which also shows the address, and note the reply. */
-static void look(struct sight *sight, const uint8_t *command, size_t n)
+static void look_at_encoder(struct sight *sight, const uint8_t *command, size_t n)
 {
     uint8_t frame[16] = {DG_HF_ADDRESS_BROADCAST};
 
@@ -81,11 +81,11 @@ static void look_at_field(struct sight *sight, uint8_t number)
     const uint8_t codes[] = {0x55, 0x99, (uint8_t)(0x55u + 0x11u * number)};
     const uint8_t status[] = {0x4C, number};
 
-    look(sight, status, sizeof status);
+    look_at_encoder(sight, status, sizeof status);
     uint8_t size = (uint8_t)(((rig.reply[3] & 7u) + 1u) * 16u);
     for (size_t i = 0; i < sizeof codes; i++) {
         const uint8_t read[] = {0x4A, number, 0, size, codes[i]};
-        look(sight, read, sizeof read);
+        look_at_encoder(sight, read, sizeof read);
     }
 }
 
@@ -99,9 +99,9 @@ static void look_at_everything(struct sight *sight)
     note(sight,
          (const uint8_t[]){(uint8_t)(uart.baud / 600u), (uint8_t)uart.parity, uart.timeout_bits},
          3);
-    look(sight, label, sizeof label);
+    look_at_encoder(sight, label, sizeof label);
     for (size_t i = 0; i < sizeof plain; i++) {
-        look(sight, &plain[i], 1);
+        look_at_encoder(sight, &plain[i], 1);
     }
     uint8_t fields = rig.reply[3];
     for (uint8_t number = 0; number < fields; number++) {

@@ -39,7 +39,7 @@ static bool clock_both(struct dg_host *near, struct dg_host *far, uint64_t *now)
     return dg_host_behind(near, *now, dg_host_clock(far, *now, true) > 0) > 0;
 }
 
-static uint64_t take(struct dg_host *near, struct dg_host *far, uint64_t *now, unsigned n)
+static uint64_t take_frame(struct dg_host *near, struct dg_host *far, uint64_t *now, unsigned n)
 {
     uint64_t bits = 0;
 
@@ -67,14 +67,16 @@ static void a_chain_of_handles_is_a_chain(void **state)
     while (!clock_both(near, far, &now)) {
         assert_true(now < 100000);
     }
-    (void)take(near, far, &now, 1); /* CDS */
-    dg_biss_frame_decode(models[0], take(near, far, &now, dg_biss_frame_bits(models[0])), &data);
+    (void)take_frame(near, far, &now, 1); /* CDS */
+    dg_biss_frame_decode(models[0], take_frame(near, far, &now, dg_biss_frame_bits(models[0])),
+                         &data);
     assert_true(data.crc_ok);
     assert_int_equal(dg_host_latched(near, &at, &counts), DG_HOST_OK);
     assert_int_equal(at, 2000);
     assert_int_equal(data.position, counts);
     assert_int_equal(data.singleturn, 1u << (models[0]->singleturn_bits - 2u));
-    dg_biss_frame_decode(models[1], take(near, far, &now, dg_biss_frame_bits(models[1])), &data);
+    dg_biss_frame_decode(models[1], take_frame(near, far, &now, dg_biss_frame_bits(models[1])),
+                         &data);
     assert_true(data.crc_ok);
     assert_int_equal(dg_host_latched(far, &at, &counts), DG_HOST_OK);
     assert_int_equal(data.position, counts);
@@ -90,7 +92,7 @@ static void a_line_behind_is_an_edge_of_its_own(void **state)
     uint64_t now = 1000;
 
     (void)state;
-    (void)take(near, far, &now, 100);
+    (void)take_frame(near, far, &now, 100);
     assert_int_equal(dg_host_step(near, now + 20000), DG_HOST_NEVER);
     while (dg_host_receive(near, &event) > 0) {
     }

@@ -112,7 +112,7 @@ static void expect(struct dg_host *self, const char *name, const char *value)
     assert_string_equal(told, value);
 }
 
-static void take(struct dg_host *self, const char *name, const char *value)
+static void take_setting(struct dg_host *self, const char *name, const char *value)
 {
     if (dg_host_set(self, name, value) != DG_HOST_OK) {
         fail_msg("%s of %s: %s is refused", name, dg_host_model(self), value);
@@ -160,9 +160,9 @@ static void numbers_have_limits(void **state)
         assert_int_equal(key.places, numbers[i].places);
         assert_int_equal(key.min, numbers[i].min);
         assert_int_equal(key.max, numbers[i].max);
-        take(self, key.name, written(key.min, key.places));
+        take_setting(self, key.name, written(key.min, key.places));
         refuse(self, key.name, written(key.min - 1, key.places));
-        take(self, key.name, written(key.max, key.places));
+        take_setting(self, key.name, written(key.max, key.places));
         refuse(self, key.name, written(key.max + 1, key.places));
     }
 }
@@ -173,7 +173,7 @@ static void words_are_all_there(void **state)
     for (size_t i = 0; i < DG_COUNT(words); i++) {
         struct dg_host *self = host_rig_make(&host_rig_here, words[i].model);
         for (size_t k = 0; words[i].value[k] != NULL; k++) {
-            take(self, words[i].key, words[i].value[k]);
+            take_setting(self, words[i].key, words[i].value[k]);
         }
         refuse(self, words[i].key, "2");
         refuse(self, words[i].key, "");
@@ -187,8 +187,8 @@ static void texts_have_limits(void **state)
         struct dg_host *self = host_rig_make(&host_rig_here, texts[i].model);
         char longer[32];
         (void)snprintf(longer, sizeof longer, "%s1", texts[i].most);
-        take(self, texts[i].key, texts[i].least);
-        take(self, texts[i].key, texts[i].most);
+        take_setting(self, texts[i].key, texts[i].least);
+        take_setting(self, texts[i].key, texts[i].most);
         refuse(self, texts[i].key, longer);
         if (texts[i].least[0] != '\0') {
             refuse(self, texts[i].key, texts[i].least + 1);

@@ -75,7 +75,7 @@ static bool clock_once(struct bench *self)
     return dg_host_clock(self->host, self->now, true) > 0;
 }
 
-static uint64_t take(struct bench *self, unsigned n)
+static uint64_t take_frame(struct bench *self, unsigned n)
 {
     uint64_t bits = 0;
 
@@ -85,7 +85,7 @@ static uint64_t take(struct bench *self, unsigned n)
     return bits;
 }
 
-static void rest(struct bench *self)
+static void rest_line(struct bench *self)
 {
     self->now += PAUSE;
     (void)dg_host_panel_step(self->panel, self->now);
@@ -113,10 +113,10 @@ static struct biss_frame read_biss(struct bench *self)
     while (!clock_once(self)) {
         assert_true(frame.start++ < CLOCKS_MAX);
     }
-    (void)take(self, 1); /* CDS */
-    frame.bits = take(self, dg_biss_frame_bits(&model));
+    (void)take_frame(self, 1); /* CDS */
+    frame.bits = take_frame(self, dg_biss_frame_bits(&model));
     dg_biss_frame_decode(&model, frame.bits, &frame.data);
-    rest(self);
+    rest_line(self);
     return frame;
 }
 
@@ -145,8 +145,8 @@ static void a_dropped_frame_is_high(void **state)
     (void)state;
     assert_int_equal(dg_host_latched(self.host, &before, &counts), DG_HOST_OK);
     (void)scpi(&self, "FAUL:SET wire_drop,COUN 1");
-    assert_int_equal(take(&self, 60), (UINT64_C(1) << 60) - 1u);
-    rest(&self);
+    assert_int_equal(take_frame(&self, 60), (UINT64_C(1) << 60) - 1u);
+    rest_line(&self);
     assert_int_equal(dg_host_latched(self.host, &at, &counts), DG_HOST_OK);
     assert_true(at > before);
     assert_healthy(&self, &healthy);
@@ -210,8 +210,8 @@ static void a_broken_wire_reads_high(void **state)
     assert_int_equal(event.at, self.now);
     assert_int_equal(event.data[0], 1);
     for (unsigned i = 0; i < 2; i++) {
-        assert_int_equal(take(&self, 60), (UINT64_C(1) << 60) - 1u);
-        rest(&self);
+        assert_int_equal(take_frame(&self, 60), (UINT64_C(1) << 60) - 1u);
+        rest_line(&self);
     }
     assert_int_equal(dg_host_receive(self.host, &event), 0);
     fault(&self, "wire_break", false);
@@ -230,9 +230,9 @@ static void a_fault_is_of_whole_frames(void **state)
     assert_true(clock_once(&self));
     (void)scpi(&self, "FAUL:SET wire_drop,COUN 1");
     assert_false(clock_once(&self));
-    rest(&self);
-    assert_int_equal(take(&self, 5), 31);
-    rest(&self);
+    rest_line(&self);
+    assert_int_equal(take_frame(&self, 5), 31);
+    rest_line(&self);
     assert_healthy(&self, &healthy);
 }
 
@@ -270,9 +270,9 @@ static struct word read_ssi(struct bench *self)
     struct word word = {0};
 
     word.first = dg_host_clock(self->host, self->now + 1u, false) > 0;
-    word.bits = take(self, word_bits());
+    word.bits = take_frame(self, word_bits());
     word.last = clock_once(self);
-    rest(self);
+    rest_line(self);
     return word;
 }
 
@@ -333,7 +333,7 @@ static size_t edges_of(struct bench *self, bool queued, struct dg_host_event *to
         }
     }
     self->now += (EDGES + 1u) * HALF;
-    rest(self);
+    rest_line(self);
     while (dg_host_receive(self->host, &to[n]) == 1) {
         n++;
     }

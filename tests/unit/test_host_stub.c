@@ -114,7 +114,7 @@ static int check(const struct dg_host_event *event)
     return DG_HOST_OK;
 }
 
-static bool take(struct dg_host_line *line, const struct dg_host_event *event)
+static bool take_event(struct dg_host_line *line, const struct dg_host_event *event)
 {
     dg_host_emit(line, event);
     return true;
@@ -125,7 +125,7 @@ static const struct dg_host_wire wire = {.stack = &stack,
                                          .keys = &no_keys,
                                          .settings_size = sizeof(struct model),
                                          .check = check,
-                                         .take = take};
+                                         .take = take_event};
 static struct model settings;
 static const struct dg_device encoder = {"stub", "nothing", "none", &stack, &settings, 0};
 

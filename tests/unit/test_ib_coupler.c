@@ -55,7 +55,7 @@ static uint16_t get(uint16_t address)
     return value;
 }
 
-static void put(uint16_t address, uint16_t value)
+static void put_register(uint16_t address, uint16_t value)
 {
     assert_true(dg_ib_coupler_writable(&map, (struct dg_ib_registers){address, 1}));
     assert_true(dg_ib_coupler_write(&map, (struct dg_ib_registers){address, 1}, &value));
@@ -142,7 +142,7 @@ static void images_and_states(void **state)
 static void watchdog_zero_and_freeze(void **state)
 {
     (void)state;
-    put(0x1120, 100);
+    put_register(0x1120, 100);
     cycle(START + DG_S(5));
     assert_int_equal(get(0x1121), 0);
     put_out(0x0800, 7);
@@ -160,8 +160,8 @@ static void watchdog_zero_and_freeze(void **state)
     put_out(0x0800, 8);
     assert_int_equal(get(0x1121), 0);
 
-    put(0x1123, DG_RING_FALLBACK_FREEZE);
-    put(0x1122, 0);
+    put_register(0x1123, DG_RING_FALLBACK_FREEZE);
+    put_register(0x1122, 0);
     dg_ib_coupler_request(&map, START + DG_MS(150)); /* only writes of OUT do now */
     cycle(START + DG_MS(170));
     assert_int_equal(get(0x1121), 1);
@@ -175,8 +175,8 @@ static void watchdog_stop(void **state)
 
     (void)state;
     assert_false(dg_ib_coupler_write(&map, (struct dg_ib_registers){0x1123, 1}, &bad));
-    put(0x1120, 10);
-    put(0x1123, DG_RING_FALLBACK_STOP);
+    put_register(0x1120, 10);
+    put_register(0x1123, DG_RING_FALLBACK_STOP);
     put_out(0, 0);
     const uint16_t cycles = get(0x2013);
     cycle(START + DG_MS(11));
@@ -185,10 +185,10 @@ static void watchdog_stop(void **state)
     assert_int_equal(get(0x100C), 0);
     dg_ib_coupler_request(&map, START + DG_MS(300));
     assert_true((get(0x2016) & DG_IB_LED_BA_BLINKS) != 0);
-    put(0x1121, 0xAFFE);
-    put(0x1121, 0xBECF);
+    put_register(0x1121, 0xAFFE);
+    put_register(0x1121, 0xBECF);
     assert_int_equal(get(0x1121), 1);
-    put(0x1121, 0xAFFE);
+    put_register(0x1121, 0xAFFE);
     assert_int_equal(get(0x1121), 0);
     cycle(START + DG_S(9)); /* asleep again */
     assert_int_equal(get(0x2013), cycles + 1);
@@ -250,7 +250,7 @@ struct ears {
     size_t length; /* of the longest one */
 };
 
-static void hear(void *ctx, const char *text)
+static void keep_text(void *ctx, const char *text)
 {
     struct ears *self = ctx;
     self->length = strlen(text) > self->length ? strlen(text) : self->length;
@@ -273,7 +273,7 @@ static void the_map_in_words(void **state)
     for (size_t i = 0; i < DEVICES; i++) {
         figures[i] = dg_ib_model_of(dg_device_find(models[i]));
     }
-    dg_ib_coupler_describe(figures, DEVICES, hear, &ears);
+    dg_ib_coupler_describe(figures, DEVICES, keep_text, &ears);
     assert_int_equal(ears.next, DG_COUNT(printed));
     assert_int_equal(ears.empty, 1 + DEVICES);
     /* The state of a device, to its end. */
@@ -325,12 +325,12 @@ static void settings_and_missed_cycles(void **state)
     master.missed = 0x12345;
     assert_int_equal(get(0x1014), 0x0001);
     assert_int_equal(get(0x1015), 0x2345);
-    put(0x1120, 1234);
+    put_register(0x1120, 1234);
     assert_int_equal(get(0x1120), 1234);
     assert_int_equal(get(0x1122), 1);
-    put(0x1122, 0);
+    put_register(0x1122, 0);
     assert_int_equal(get(0x1122), 0);
-    put(0x1123, DG_RING_FALLBACK_STOP);
+    put_register(0x1123, DG_RING_FALLBACK_STOP);
     assert_int_equal(get(0x1123), DG_RING_FALLBACK_STOP);
 }
 

@@ -186,7 +186,7 @@ static void check_registers(struct dg_ib_registers range)
     assert_memory_equal(is, wanted, range.count * sizeof is[0]);
 }
 
-static void look(void)
+static void look_at_rings(void)
 {
     const struct dg_ring_state *is = dg_ring_state(lazy.rig.bus);
     const struct dg_ring_state *wanted = dg_ring_state(eager.rig.bus);
@@ -315,7 +315,7 @@ static void bend_ring(void)
         now = eager_next;
         run_eager();
         dg_ring_master_due(&lazy.master, now);
-        look();
+        look_at_rings();
     }
     for (size_t i = 0; i < 2; i++) {
         ring_rig_mend(&sides[i]->rig, which, fault);
@@ -333,7 +333,7 @@ static void watch(void)
         now = eager_next;
         run_eager();
         dg_ring_master_due(&lazy.master, now);
-        look();
+        look_at_rings();
     }
     dg_ring_master_changed(&lazy.master, false, now);
 }
@@ -341,9 +341,9 @@ static void watch(void)
 static void fates(uint32_t seed)
 {
     static void (*const happenings[])(void) = {
-        look,         look,         read_by_a_client, read_by_a_client, write_out,
-        write_out,    write_out,    write_out,        write_out,        write_watchdog,
-        change_world, switch_power, hurt_ring,        bend_ring,        watch,
+        look_at_rings, look_at_rings, read_by_a_client, read_by_a_client, write_out,
+        write_out,     write_out,     write_out,        write_out,        write_watchdog,
+        change_world,  switch_power,  hurt_ring,        bend_ring,        watch,
     };
     open_both(seed);
     for (int i = 0; i < 300; i++) {
@@ -351,7 +351,7 @@ static void fates(uint32_t seed)
         happenings[next() % (DG_COUNT(happenings))]();
     }
     pass(DG_S(1));
-    look();
+    look_at_rings();
 }
 
 static void lazy_and_eager_agree(void **state)

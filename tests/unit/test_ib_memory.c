@@ -54,7 +54,7 @@ static int set_up(void **state)
     return 0;
 }
 
-static void look(struct sight *sight)
+static void look_at_encoder(struct sight *sight)
 {
     uint16_t at = 0;
 
@@ -113,9 +113,9 @@ static void defaults_fill_their_regions(void **state)
 static void everything_survives(void **state)
 {
     (void)state;
-    look(&before);
+    look_at_encoder(&before);
     restart();
-    look(&after);
+    look_at_encoder(&after);
     assert_memory_equal(&after, &before, sizeof before);
     assert_int_equal(ib_rig_send(&rig, 0x20210001), 0xA0001234);
     assert_int_equal(ib_rig_send(&rig, 0x20210002), 0xA0000010);
@@ -303,7 +303,7 @@ static void a_silent_memory(void **state)
     for (size_t i = 0; i < COMMANDS; i++) {
         for (int how = 0; how < 2; how++) {
             enter_mode_of(commands[i]);
-            look(&before);
+            look_at_encoder(&before);
             prepare(commands[i]);
             rig.nvm.no_acknowledge = how == 0;
             rig.world.eeprom_acknowledges = how == 0;
@@ -313,7 +313,7 @@ static void a_silent_memory(void **state)
             rig.world.eeprom_acknowledges = true;
             assert_int_equal(ib_rig_cycle(&rig, 0), 0x86000000);
             assert_int_equal(ib_rig_release(&rig), before.in); /* the old values are in force */
-            look(&after);
+            look_at_encoder(&after);
             assert_memory_equal(&after, &before, sizeof before);
         }
     }
@@ -322,7 +322,7 @@ static void a_silent_memory(void **state)
 static void a_memory_that_is_silent_at_power_on(void **state)
 {
     (void)state;
-    look(&before);
+    look_at_encoder(&before);
     for (int how = 0; how < 2; how++) {
         rig.nvm.no_acknowledge = how == 0;
         rig.world.eeprom_acknowledges = how == 0;
@@ -332,7 +332,7 @@ static void a_memory_that_is_silent_at_power_on(void **state)
         rig.world.eeprom_acknowledges = true;
         assert_int_equal(ib_rig_send(&rig, 0x0E000000), 0x86000000);
         restart();
-        look(&after);
+        look_at_encoder(&after);
         assert_memory_equal(&after, &before, sizeof before);
     }
 }
@@ -370,7 +370,7 @@ static void cut(uint32_t word, uint32_t write, enum ram_nvm_tear tear, uint32_t 
     const bool answered = done(word);
     assert_true(rig.nvm.dead);
     restart();
-    look(&seen);
+    look_at_encoder(&seen);
     const struct sight *expected = memcmp(&seen, &after, sizeof seen) == 0 ? &after : &before;
     assert_memory_equal(&seen, expected, sizeof seen);
     assert_true(!answered || expected == &after);
@@ -383,7 +383,7 @@ static void is_stored_whole_or_not_at_all(void **state)
 
     enter_mode_of(word);
     restart();
-    look(&before);
+    look_at_encoder(&before);
     enter_mode_of(word);
     prepare(word);
     const uint32_t writes_before = rig.nvm.writes;
@@ -391,7 +391,7 @@ static void is_stored_whole_or_not_at_all(void **state)
     const uint32_t writes = rig.nvm.writes - writes_before;
     assert_true(writes > 0);
     restart();
-    look(&after);
+    look_at_encoder(&after);
     assert_memory_not_equal(&after, &before, sizeof before);
     for (uint32_t write = 0; write < writes; write++) {
         for (int tear = 0; tear < RAM_NVM_TEAR_COUNT; tear++) {
@@ -420,7 +420,7 @@ static void defaults_after_a_failure(void **state)
 {
     (void)state;
     assert_int_equal(ib_rig_send(&rig, 0x0E000000), 0xCE000000);
-    look(&after);
+    look_at_encoder(&after);
     rig = lived_in;
     for (int times = 0; times < 3; times++) {
         rig.nvm.no_acknowledge = true;
@@ -429,10 +429,10 @@ static void defaults_after_a_failure(void **state)
         (void)ib_rig_release(&rig);
     }
     assert_int_equal(ib_rig_send(&rig, 0x0E000000), 0xCE000000);
-    look(&seen);
+    look_at_encoder(&seen);
     assert_memory_equal(seen.bytes, after.bytes, sizeof after.bytes);
     restart();
-    look(&seen);
+    look_at_encoder(&seen);
     assert_memory_equal(seen.bytes, after.bytes, sizeof after.bytes);
 }
 

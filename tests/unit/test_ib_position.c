@@ -78,7 +78,7 @@ static uint32_t expected_position(uint32_t raw, uint32_t steps, uint32_t revolut
     return rest;
 }
 
-static void start(uint16_t steps, uint16_t turns, bool minus_one)
+static void start_encoder(uint16_t steps, uint16_t turns, bool minus_one)
 {
     struct dg_ib_model model = *dg_ib_model_of(dg_device_find("ocd-ib-k3"));
 
@@ -92,7 +92,7 @@ static void start(uint16_t steps, uint16_t turns, bool minus_one)
 static int set_up(void **state)
 {
     (void)state;
-    start(4096, 4096, false);
+    start_encoder(4096, 4096, false);
     return 0;
 }
 
@@ -124,7 +124,7 @@ static void scaling_is_exact(void **state)
     for (int round = 0; round < 1500; round++) {
         const bool minus_one = next() % 4 == 0;
         const uint16_t turns = (uint16_t)(next() % 3 == 0 ? 1 + next() % 4096 : 4096);
-        start(next() % 2 == 0 ? 4096 : 8192, turns, minus_one);
+        start_encoder(next() % 2 == 0 ? 4096 : 8192, turns, minus_one);
         const uint32_t revolutions = 1 + next() % turns;
         uint32_t most = revolutions * rig.model.steps - (minus_one ? 1 : 0);
         most = most < DG_IB_DATA_MASK ? most : DG_IB_DATA_MASK;
@@ -144,7 +144,7 @@ static void scaling_is_exact(void **state)
 static void limits(void **state)
 {
     (void)state;
-    start(8192, 4096, false);
+    start_encoder(8192, 4096, false);
     assert_int_equal(pair(8193, 1), 0x82000000);
     assert_int_equal(ib_rig_release(&rig), 0);
     scale(0x1FFFFFF, 4096);
@@ -160,7 +160,7 @@ static void limits(void **state)
     assert_int_equal(set(0x08, 1), 0x82000000);
     assert_int_equal(set(0x0A, 1), 0x82000000);
     assert_int_equal(set(0x08, 0), 0xC8000000);
-    start(4096, 1, true);
+    start_encoder(4096, 1, true);
     scale(4095, 1);
     assert_int_equal(pair(4096, 1), 0x82000000);
     assert_int_equal(set(0x04, 2), 0x82000000);
@@ -187,7 +187,7 @@ static void presets_and_shifts(void **state)
     (void)state;
     noise = 2;
     for (int round = 0; round < 300; round++) {
-        start(4096, 4096, false);
+        start_encoder(4096, 4096, false);
         const uint32_t revolutions = 1 + next() % 4096;
         scale(1 + next() % (revolutions * 4096 - 1), revolutions);
         const uint32_t range = dg_ib_range(&rig.device);
@@ -275,7 +275,7 @@ static void no_valid_position(void **state)
 
     (void)state;
     for (size_t i = 0; i < 3; i++) {
-        start(4096, 4096, false);
+        start_encoder(4096, 4096, false);
         bool *const causes[] = {
             &rig.world.singleturn_ok,
             &rig.world.multiturn_amplitude_ok,
@@ -298,7 +298,7 @@ static void no_valid_position(void **state)
             assert_int_equal(ib_rig_cycle(&rig, 0) >> 31, 1);
         }
     }
-    start(4096, 1, false);
+    start_encoder(4096, 1, false);
     rig.world.multiturn_sync_ok = false;
     assert_int_equal(ib_rig_cycle(&rig, 0), 0); /* a singleturn has none */
 }

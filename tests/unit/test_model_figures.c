@@ -52,7 +52,7 @@ static const struct dg_device *make_model(const char *figures)
 
 static struct hf_rig rig;
 
-static void start(const char *figures)
+static void start_encoder(const char *figures)
 {
     assert_int_equal(hf_rig_init(&rig, dg_hf_model_of(make_model(figures))), DG_OK);
     rig.angle = (int64_t)1 << 30; /* a quarter turn */
@@ -76,7 +76,7 @@ static const char sin1024[] = "base = s3674-rs485\nperiods = 1024\nsteps = 32\nt
 static void commands_that_are_there(void **state)
 {
     (void)state;
-    start(sin1024);
+    start_encoder(sin1024);
     ASSERT_REPLY("\x40\x42\x02", "\x40\x42\x00\x00\x20\x00\x22");
     ASSERT_REPLY("\x40\x44\x40\x44", "\x40\x44\x40\x00\x25\x61");
     ASSERT_REPLY("\x40\x52\x12", "\x40\x52\xE4\x32\x40\x00\x84");
@@ -89,13 +89,13 @@ static void commands_that_are_not(void **state)
     static const uint8_t codes[] = {0x41, 0x43, 0x46, 0x47, 0x49, 0x4A, 0x4B, 0x4C,
                                     0x4D, 0x4E, 0x4F, 0x53, 0x55, 0x56, 0x57, 0x6A};
     (void)state;
-    start(sin1024);
+    start_encoder(sin1024);
     for (size_t i = 0; i < sizeof codes; i++) {
         const char request[3] = {0x40, (char)codes[i], (char)(0x40 ^ codes[i])};
         assert_reply(request, 3, "\x40\x50\x0B\x1B", 4);
     }
     ASSERT_REPLY("\x40\x50\x10", "\x40\x50\x00\x10");
-    start("base = s3674-rs485\n");
+    start_encoder("base = s3674-rs485\n");
     ASSERT_REPLY("\x40\x46\x06", "\x40\x46\x00\x00\x00\x06");
 }
 

@@ -92,7 +92,7 @@ static int mount(const char *name, struct ram_nvm *nvm)
     return device->stack->mount(&setup, &store);
 }
 
-static void put(const char *name, struct ram_nvm *nvm, uint8_t region, uint8_t byte)
+static void put_byte(const char *name, struct ram_nvm *nvm, uint8_t region, uint8_t byte)
 {
     const struct dg_store_layout *layout = layout_of(name);
     uint8_t bytes[DG_STORE_CHECKED_MAX];
@@ -234,8 +234,8 @@ static void what_a_biss_encoder_keeps(void **state)
 {
     (void)state;
     (void)deliver("la25", &bench.from);
-    put("la25", &bench.from, DG_BISS_REGION_CONFIG, 0x04);
-    put("la25", &bench.from, DG_BISS_REGION_COUNT - 1, 0x5A);
+    put_byte("la25", &bench.from, DG_BISS_REGION_CONFIG, 0x04);
+    put_byte("la25", &bench.from, DG_BISS_REGION_COUNT - 1, 0x5A);
     const struct ram_nvm before = bench.from;
     assert_int_equal(convert("la26"), DG_OK);
     assert_string_equal(bench.told, "");
@@ -256,9 +256,9 @@ static void what_a_hiperface_encoder_keeps(void **state)
     assert_int_equal(convert("sin1024"), DG_OK);
     assert_string_equal(bench.told, "position offset;data fields;");
     (void)deliver("sin512", &bench.from);
-    put("sin512", &bench.from, DG_HF_REGION_CODES, 0x77);
-    put("sin512", &bench.from, DG_HF_REGION_OFFSET, 0x01);
-    put("sin512", &bench.from, DG_HF_REGION_USER, 0x33);
+    put_byte("sin512", &bench.from, DG_HF_REGION_CODES, 0x77);
+    put_byte("sin512", &bench.from, DG_HF_REGION_OFFSET, 0x01);
+    put_byte("sin512", &bench.from, DG_HF_REGION_USER, 0x33);
     assert_int_equal(convert("sin1024"), DG_OK);
     assert_string_equal(bench.told, "position offset;");
     assert_int_equal(get("sin1024", &bench.to, DG_HF_REGION_CODES), 0x77);
@@ -274,9 +274,9 @@ static void what_a_k3_keeps(void **state)
 {
     (void)state;
     (void)deliver("drum", &bench.from);
-    put("drum", &bench.from, DG_IB_REGION_DIRECTION, 4);
-    put("drum", &bench.from, DG_IB_REGION_CAMS, 0x01);
-    put("drum", &bench.from, DG_IB_REGION_TIME, 9);
+    put_byte("drum", &bench.from, DG_IB_REGION_DIRECTION, 4);
+    put_byte("drum", &bench.from, DG_IB_REGION_CAMS, 0x01);
+    put_byte("drum", &bench.from, DG_IB_REGION_TIME, 9);
     assert_int_equal(convert("drum8"), DG_OK);
     assert_string_equal(bench.told, "steps and revolutions;preset and shift;cam programs;");
     assert_int_equal(get("drum8", &bench.to, DG_IB_REGION_DIRECTION), 4);
@@ -288,7 +288,7 @@ static void damage_is_not_copied(void **state)
 {
     (void)state;
     (void)deliver("la25", &bench.from);
-    put("la25", &bench.from, DG_BISS_REGION_CONFIG, 0x04);
+    put_byte("la25", &bench.from, DG_BISS_REGION_CONFIG, 0x04);
     bench.from.bytes[dg_store_address(layout_of("la25"), DG_BISS_REGION_CONFIG)] ^= 1u;
     assert_int_equal(convert("la26"), DG_OK);
     assert_int_equal(get("la26", &bench.to, DG_BISS_REGION_CONFIG), 0);

@@ -65,7 +65,7 @@ static const void *ctx_of(const struct dg_device *device, const uint32_t *serial
     return device->stack == &dg_cia406_stack ? serial : device->model;
 }
 
-static int start(const struct dg_device *device)
+static int start_encoder(const struct dg_device *device)
 {
     static union {
         max_align_t align;
@@ -99,7 +99,7 @@ static void make(const struct dg_device *device, uint8_t count, struct ram_nvm *
 static void check(const struct dg_device *device, uint8_t count)
 {
     make(device, count, &ram);
-    assert_int_equal(start(device), DG_OK);
+    assert_int_equal(start_encoder(device), DG_OK);
     assert_memory_equal(ram.bytes, today.bytes, today.size);
 }
 
@@ -129,7 +129,7 @@ static void a_node_without_a_readable_serial_number_grows(void **state)
     (void)state;
     make(device, DG_CO_REGION_SERIAL + 1, &ram);
     ram.bytes[dg_store_address(layout, DG_CO_REGION_SERIAL)] ^= 1;
-    assert_int_equal(start(device), DG_OK);
+    assert_int_equal(start_encoder(device), DG_OK);
     assert_int_equal(dg_store_mount(&store, layout, ram_nvm_port(&ram)), DG_OK);
     assert_int_equal(store.damaged, 1u << DG_CO_REGION_SERIAL);
 }

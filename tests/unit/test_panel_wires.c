@@ -25,7 +25,7 @@ static void start_encoder(const char *model)
     host_rig_drain(host);
 }
 
-static void say(uint64_t at, const char *line)
+static void send_line(uint64_t at, const char *line)
 {
     char answer[64];
 
@@ -71,7 +71,7 @@ static void a_request_in_pieces_is_one_request(void **state)
     for (size_t i = 0; i < 2; i++) {
         start_encoder("s3684-rs485");
         assert_int_equal(ask_in_pieces(2 * SECOND, characters[i]), 1);
-        say(3 * SECOND, "FAUL:SET wire_deaf,COUN 1");
+        send_line(3 * SECOND, "FAUL:SET wire_deaf,COUN 1");
         assert_int_equal(ask_in_pieces(4 * SECOND, characters[i]), 0);
         assert_int_equal(ask_in_pieces(5 * SECOND, characters[i]), 1);
     }
@@ -86,16 +86,16 @@ static void a_power_cycle_ends_a_request_that_was_not_heard(void **state)
         .at = 3 * SECOND, .kind = DG_HOST_BYTES, .length = 1, .data = {0x40}};
     (void)state;
     start_encoder("s3684-rs485");
-    say(3 * SECOND, "FAUL:SET wire_deaf,COUN 1");
+    send_line(3 * SECOND, "FAUL:SET wire_deaf,COUN 1");
     assert_int_equal(dg_host_send(host, &first), DG_HOST_OK);
     (void)dg_host_step(host, first.at);
     for (unsigned i = 1; i <= 2; i++) {
         begins.at += CHARACTER;
         assert_int_equal(dg_host_send(host, &begins), DG_HOST_OK);
         (void)dg_host_step(host, begins.at);
-        say(begins.at, "POW OFF");
+        send_line(begins.at, "POW OFF");
     }
-    say(begins.at, "POW ON");
+    send_line(begins.at, "POW ON");
     assert_int_equal(ask_in_pieces(5 * SECOND, 0), 1);
 }
 
@@ -116,9 +116,9 @@ static void a_fault_waits_for_a_cycle_that_there_is(void **state)
     start_encoder("ocd-ib-k2");
     const unsigned healthy = run_cycle(2 * SECOND);
     assert_int_equal(healthy, 1);
-    say(3 * SECOND, "POW OFF;:FAUL:SET wire_drop,COUN 1");
+    send_line(3 * SECOND, "POW OFF;:FAUL:SET wire_drop,COUN 1");
     const unsigned off = run_cycle(4 * SECOND);
-    say(5 * SECOND, "POW ON");
+    send_line(5 * SECOND, "POW ON");
     (void)dg_host_step(host, 7 * SECOND);
     assert_int_equal(run_cycle(7 * SECOND), 0);
     assert_int_equal(run_cycle(8 * SECOND), healthy);

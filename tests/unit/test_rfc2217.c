@@ -21,7 +21,7 @@ struct outcome {
     uint8_t characters[16]; /* a break is a B */
 };
 
-static struct outcome say(struct dg_rfc2217 *self, const char *bytes, size_t n)
+static struct outcome send_bytes(struct dg_rfc2217 *self, const char *bytes, size_t n)
 {
     struct outcome out = {.answered = 0};
     for (size_t i = 0; i < n; i++) {
@@ -41,7 +41,7 @@ static struct outcome say(struct dg_rfc2217 *self, const char *bytes, size_t n)
 static void told(struct dg_rfc2217 *self, const char *bytes, size_t n, const char *answer,
                  size_t length)
 {
-    const struct outcome out = say(self, bytes, n);
+    const struct outcome out = send_bytes(self, bytes, n);
     assert_int_equal(out.answered, length);
     assert_memory_equal(out.answer, answer, length);
     assert_int_equal(out.heard, 0);
@@ -50,7 +50,7 @@ static void told(struct dg_rfc2217 *self, const char *bytes, size_t n, const cha
 static void heard(struct dg_rfc2217 *self, const char *bytes, size_t n, const char *characters,
                   size_t length)
 {
-    const struct outcome out = say(self, bytes, n);
+    const struct outcome out = send_bytes(self, bytes, n);
     assert_int_equal(out.heard, length);
     assert_memory_equal(out.characters, characters, length);
 }

@@ -36,7 +36,7 @@ struct bench {
 };
 static struct bench bench;
 
-static void hear(void *ctx, size_t place, const struct dg_tap_event *event)
+static void keep_event(void *ctx, size_t place, const struct dg_tap_event *event)
 {
     struct bench *self = ctx;
 
@@ -45,7 +45,7 @@ static void hear(void *ctx, size_t place, const struct dg_tap_event *event)
     self->heard[self->heard_count++] = *event;
 }
 
-static const struct dg_bus_ops door = {.tx = hear};
+static const struct dg_bus_ops door = {.tx = keep_event};
 
 static int open_door(void *ctx, size_t index, struct dg_engine_wire *to,
                      struct dg_plan_error *error)

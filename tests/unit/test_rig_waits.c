@@ -45,7 +45,7 @@ static void changed(struct dg_rig *rig, struct dg_encoder *encoder, dg_ns now)
     all.changes++;
 }
 
-static void look(struct dg_rig *rig, struct dg_encoder *encoder, dg_ns now)
+static void look_at_encoder(struct dg_rig *rig, struct dg_encoder *encoder, dg_ns now)
 {
     (void)rig;
     (void)now;
@@ -55,7 +55,7 @@ static void look(struct dg_rig *rig, struct dg_encoder *encoder, dg_ns now)
 
 static int setup(void **state)
 {
-    static const struct dg_rig_ops ops = {.changed = changed, .look = look};
+    static const struct dg_rig_ops ops = {.changed = changed, .look = look_at_encoder};
     const struct dg_device *model = dg_device_find("s3684-rs485");
     (void)state;
     memset(&all, 0, sizeof all);

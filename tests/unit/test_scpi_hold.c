@@ -56,7 +56,7 @@ static const struct dg_scpi_commands *commands(const struct dg_scpi *self, size_
     return index == 0 ? &list : NULL;
 }
 
-static void take(void *ctx, const char *bytes, size_t n)
+static void take_answer(void *ctx, const char *bytes, size_t n)
 {
     (void)ctx;
     assert_true(rig.length + n < sizeof rig.out);
@@ -66,7 +66,7 @@ static void take(void *ctx, const char *bytes, size_t n)
 
 static int setup(void **state)
 {
-    static const struct dg_scpi_ops ops = {.commands = commands, .write = take};
+    static const struct dg_scpi_ops ops = {.commands = commands, .write = take_answer};
     const struct dg_scpi_setup made = {.ops = &ops, .idn = "a,b,c,d"};
     (void)state;
     memset(&rig, 0, sizeof rig);
@@ -75,7 +75,7 @@ static int setup(void **state)
     return 0;
 }
 
-static size_t say(const char *text)
+static size_t send_text(const char *text)
 {
     return dg_scpi_rx(&rig.session, 5, text, strlen(text));
 }
@@ -83,15 +83,15 @@ static size_t say(const char *text)
 static void the_line_waits(void **state)
 {
     (void)state;
-    assert_int_equal(say("LONG;SEV?\nSEV?\n"), 10); /* and no byte of the next one */
+    assert_int_equal(send_text("LONG;SEV?\nSEV?\n"), 10); /* and no byte of the next one */
     assert_int_equal(rig.left, 3);
     assert_int_equal(dg_scpi_step(&rig.session, 6), 6); /* again at once */
-    assert_int_equal(say("SEV?\n"), 0);                 /* looks, too */
+    assert_int_equal(send_text("SEV?\n"), 0);           /* looks, too */
     assert_int_equal(rig.left, 1);
     assert_int_equal(rig.length, 0);
     assert_int_equal(dg_scpi_step(&rig.session, 7), DG_NEVER);
     assert_string_equal(rig.out, "7\n");
-    assert_int_equal(say("SEV?\n"), 5);
+    assert_int_equal(send_text("SEV?\n"), 5);
     assert_string_equal(rig.out, "7\n7\n");
 }
 
@@ -99,19 +99,19 @@ static void an_error_ends_the_line(void **state)
 {
     (void)state;
     rig.fails = true;
-    assert_int_equal(say("SEV?;LONG;SEV?\n"), 15);
+    assert_int_equal(send_text("SEV?;LONG;SEV?\n"), 15);
     for (int i = 0; i < 3; i++) {
         (void)dg_scpi_step(&rig.session, 6);
     }
     assert_string_equal(rig.out, "7\n");
-    assert_int_equal(say("SYST:ERR?\n"), 10);
+    assert_int_equal(send_text("SYST:ERR?\n"), 10);
     assert_non_null(strstr(rig.out, "-224,\"Illegal parameter value;in the end\""));
 }
 
 static void a_client_that_goes_gives_up(void **state)
 {
     (void)state;
-    assert_int_equal(say("LONG\n"), 5);
+    assert_int_equal(send_text("LONG\n"), 5);
     dg_scpi_leave(&rig.session);
     assert_true(rig.gone);
     assert_null(rig.session.poll);

@@ -39,7 +39,7 @@ static struct dg_fault_target target(void)
     return (struct dg_fault_target){.instrument = &dg_ssi_instrument, .world = &rig.world};
 }
 
-static void start(const struct dg_device *device)
+static void start_encoder(const struct dg_device *device)
 {
     faults = (struct dg_faults){.random = 1};
     assert_int_equal(ssi_rig_init(&rig, dg_ssi_model_of(device)), DG_OK);
@@ -63,7 +63,7 @@ static void what_bends_the_world_is_seen_and_goes(void **state)
 
     (void)state;
     for (size_t i = 0; i < DG_COUNT(proofs); i++) {
-        start(&dg_ssi_28);
+        start_encoder(&dg_ssi_28);
         const int index = dg_fault_find(&here, proofs[i].fault);
         assert_true(index >= 0);
         for (unsigned n = 0; n < 2; n++) {
@@ -101,7 +101,7 @@ static void every_row_of_the_world_is_proven(void **state)
 static void modes(void **state)
 {
     (void)state;
-    start(&dg_ssi_13);
+    start_encoder(&dg_ssi_13);
     assert_string_equal(dg_ssi_instrument.mode(&rig.device, rig.now), "idle");
     (void)ssi_rig_edge(&rig, false);
     assert_string_equal(dg_ssi_instrument.mode(&rig.device, rig.now), "transmitting");

@@ -24,7 +24,7 @@ static void read_words(struct ssi_rig *rig, bool troubled)
     (void)ssi_rig_wait(rig, DG_US(100));
 }
 
-static void start(struct ssi_rig *rig, bool troubled)
+static void start_encoder(struct ssi_rig *rig, bool troubled)
 {
     assert_int_equal(ssi_rig_init(rig, dg_ssi_model_of(dg_device_find("ssi-25"))), DG_OK);
     ssi_rig_power_on(rig);
@@ -33,8 +33,8 @@ static void start(struct ssi_rig *rig, bool troubled)
 
 static void skip_and_compare(uint64_t n, bool troubled)
 {
-    start(&clocked, troubled);
-    start(&skipped, troubled);
+    start_encoder(&clocked, troubled);
+    start_encoder(&skipped, troubled);
     const struct dg_ssi_counters each = skipped.device.counters;
     for (uint64_t i = 0; i < n; i++) {
         read_words(&clocked, troubled);

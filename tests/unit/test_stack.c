@@ -55,7 +55,7 @@ static void reply(void *ctx, const uint8_t *bytes, size_t n)
     self->sent++;
 }
 
-static void send(void *ctx, const struct dg_can_frame *frame)
+static void count_frame(void *ctx, const struct dg_can_frame *frame)
 {
     struct place *self = ctx;
 
@@ -67,7 +67,7 @@ static void send(void *ctx, const struct dg_can_frame *frame)
 static const void *port_of(const struct dg_stack *stack)
 {
     static const struct dg_hf_ops hf = {.tx = reply};
-    static const struct dg_co_ops co = {.send = send};
+    static const struct dg_co_ops co = {.send = count_frame};
 
     if (stack == &dg_hf_stack) {
         return &hf;
@@ -93,7 +93,7 @@ static void furnish(struct place *self, const struct dg_device *device)
     }
 }
 
-static void start(struct place *self, const struct dg_device *device)
+static void start_encoder(struct place *self, const struct dg_device *device)
 {
     const struct dg_stack *stack = device->stack;
 
@@ -178,7 +178,7 @@ static void check_life(const struct dg_device *device)
 {
     const struct dg_stack *stack = device->stack;
 
-    start(&here, device);
+    start_encoder(&here, device);
     assert_ptr_equal(stack->model(&here.device), device->model);
     assert_true(stack->step(&here.device, READY) > READY);
     stack->power_off(&here.device);
@@ -247,7 +247,7 @@ static void the_position_is_the_wires(void **state)
     (void)state;
     for (size_t i = 0; i < DG_COUNT(rows); i++) {
         const struct dg_device *device = dg_device_find(rows[i].name);
-        start(&here, device);
+        start_encoder(&here, device);
         const struct place before = here;
         assert_int_equal(device->stack->position(&here.device, READY), rows[i].position);
         assert_memory_equal(&before, &here, sizeof here);
@@ -257,7 +257,7 @@ static void the_position_is_the_wires(void **state)
 static void the_serial_number_of_a_node_is_burnt_in(void **state)
 {
     (void)state;
-    start(&here, &dg_f3668);
+    start_encoder(&here, &dg_f3668);
     const struct dg_cia406_device *device = (const void *)&here.device;
     assert_int_equal(device->node.serial, SERIAL);
 }
@@ -416,8 +416,8 @@ static void check_bytes(const struct dg_device *device)
 {
     const struct dg_stack *stack = device->stack;
 
-    start(&here, device);
-    start(&there, device);
+    start_encoder(&here, device);
+    start_encoder(&there, device);
     assert_int_equal(stack->step(&here.device, READY), stack->step(&there.device, READY));
     stack->attach(&here.device, NULL);
     stack->attach(&there.device, NULL);
@@ -435,7 +435,7 @@ static void check_carried(const struct dg_device *device)
 {
     const struct dg_stack *stack = device->stack;
 
-    start(&here, device);
+    start_encoder(&here, device);
     (void)stack->step(&here.device, READY);
     const uint64_t position = stack->position(&here.device, READY);
     const dg_ns next = stack->step(&here.device, READY);
@@ -454,7 +454,7 @@ static void a_carried_device_goes_on(void **state)
     each(check_carried);
 }
 
-static void tell(struct place *at, const char *hex)
+static void report_bytes(struct place *at, const char *hex)
 {
     struct dg_cia406_device *device = (void *)&at->device;
     struct dg_can_frame frame = {.id = 0x600u + device->node.id, .dlc = 8};
@@ -475,11 +475,11 @@ static void a_node_is_carried_in_the_middle_of_things(void **state)
     struct dg_cia406_device *device = (void *)&here.device;
 
     (void)state;
-    start(&here, &dg_f3668);
+    start_encoder(&here, &dg_f3668);
     (void)dg_co_rx(&device->node, READY, &operational);
-    tell(&here, "2117100004000000"); /* 1017h, 4 bytes announced: too long */
+    report_bytes(&here, "2117100004000000"); /* 1017h, 4 bytes announced: too long */
     assert_int_equal(device->node.sdo.state, DG_CO_SDO_IDLE);
-    tell(&here, "2117100002000000"); /* 2 bytes */
+    report_bytes(&here, "2117100002000000"); /* 2 bytes */
     assert_int_equal(device->node.sdo.state, DG_CO_SDO_DOWNLOAD);
     const uint8_t mapped = device->node.tpdo[1].mapped_count;
     assert_true(mapped > 0);
@@ -490,7 +490,7 @@ static void a_node_is_carried_in_the_middle_of_things(void **state)
     assert_ptr_equal(device->node.setup.application, &device->encoder);
     assert_int_equal(device->node.tpdo[1].mapped_count, mapped);
     assert_int_equal(device->node.tpdo[1].mapped[0], first);
-    tell(&there, "0BE8030000000000"); /* the last segment: 1000 ms */
+    report_bytes(&there, "0BE8030000000000"); /* the last segment: 1000 ms */
     assert_int_equal(device->node.sdo.state, DG_CO_SDO_IDLE);
     const uint32_t sent = there.sent;
     assert_int_equal(dg_co_step(&device->node, READY), READY + DG_MS(100));

@@ -134,7 +134,7 @@ static uint16_t fill(uint8_t region, char version, uint8_t *bytes)
     return n;
 }
 
-static int put(uint8_t region, char version)
+static int put_version(uint8_t region, char version)
 {
     uint8_t bytes[100];
     const uint16_t n = fill(region, version, bytes);
@@ -151,7 +151,7 @@ static void make_image(uint8_t count)
     assert_int_equal(dg_store_format(&layouts[count], nvm, ctx), DG_OK);
     assert_int_equal(mount(count), DG_OK);
     for (uint8_t region = 0; region < count; region++) {
-        assert_int_equal(put(region, 'a'), DG_OK);
+        assert_int_equal(put_version(region, 'a'), DG_OK);
     }
     assert_int_equal(mount(count), DG_OK);
 }
@@ -242,8 +242,8 @@ static void until_it_has_grown_only_old_regions_are_there(void **state)
     assert_int_equal(ram.writes, writes);
     assert_image(3);
     assert_int_equal(dg_store_grow(&store, ctx), DG_OK);
-    assert_int_equal(put(SUMS, 'b'), DG_OK);
-    assert_int_equal(put(LABEL, 'b'), DG_OK);
+    assert_int_equal(put_version(SUMS, 'b'), DG_OK);
+    assert_int_equal(put_version(LABEL, 'b'), DG_OK);
     assert_int_equal(mount(REGIONS), DG_OK);
     assert_true(has(NOTES, 'a') && has(SUMS, 'b') && has(LABEL, 'b'));
 }

@@ -31,7 +31,7 @@ static struct dg_tap_event character(dg_ns at, bool ours, uint8_t byte)
 }
 
 /* One character after the other, the first one's start bit at `start`. @return end of the last */
-static dg_ns say(struct words_rig *rig, dg_ns start, bool ours, const char *hex)
+static dg_ns pass_bytes(struct words_rig *rig, dg_ns start, bool ours, const char *hex)
 {
     uint8_t bytes[256];
     const size_t n = words_rig_hex(hex, bytes);
@@ -99,7 +99,7 @@ static void frames_in_the_manuals_words(void **state)
     for (size_t i = 0; i < DG_COUNT(frames); i++) {
         struct words_rig rig;
         words_rig_init(&rig, &dg_hf_words);
-        const dg_ns end = say(&rig, DG_MS(5), frames[i].ours, frames[i].hex);
+        const dg_ns end = pass_bytes(&rig, DG_MS(5), frames[i].ours, frames[i].hex);
         assert_int_equal(rig.count, 0);
         const dg_ns due = dg_words_step(&rig.wire, end);
         assert_true(due > end && due < end + DG_MS(6));
@@ -169,7 +169,7 @@ static void is_told(bool ours, const char *hex, const char *expected, enum dg_se
     }
     (void)snprintf(whole, sizeof whole, "%s %02X", hex, sum);
     words_rig_init(&rig, &dg_hf_words);
-    (void)dg_words_step(&rig.wire, say(&rig, DG_MS(5), ours, whole) + DG_S(1));
+    (void)dg_words_step(&rig.wire, pass_bytes(&rig, DG_MS(5), ours, whole) + DG_S(1));
     assert_string_equal(rig.text, expected);
     assert_int_equal(rig.severity, severity);
 }
@@ -198,15 +198,15 @@ static void a_frame_ends_with_the_other_direction_or_silence(void **state)
     (void)state;
     words_rig_init(&rig, &dg_hf_words);
     assert_true(dg_words_step(&rig.wire, DG_S(1)) == DG_NEVER);
-    dg_ns end = say(&rig, 0, false, "40 42 02");
-    end = say(&rig, end + 12 * bit, true, "40 42 00");
+    dg_ns end = pass_bytes(&rig, 0, false, "40 42 02");
+    end = pass_bytes(&rig, end + 12 * bit, true, "40 42 00");
     assert_int_equal(rig.count, 1);
     assert_string_equal(rig.text, "40h 42h read position");
     /* A pause of nearly 44 bits is inside a frame, also when the clock is looked at meanwhile. */
     (void)dg_words_step(&rig.wire, end + 43 * bit);
-    end = say(&rig, end + 43 * bit, true, "00 30 39 0B");
+    end = pass_bytes(&rig, end + 43 * bit, true, "00 30 39 0B");
     assert_int_equal(rig.count, 1);
-    (void)say(&rig, end + 45 * bit, true, "40 43 03");
+    (void)pass_bytes(&rig, end + 45 * bit, true, "40 43 03");
     assert_int_equal(rig.count, 2);
     assert_string_equal(rig.text, "40h -> 42h position 12345");
 }
@@ -235,14 +235,14 @@ static void damage_and_length_are_told(void **state)
     struct dg_tap_event event = character(DG_MS(3), false, 0x40);
     event.character.damaged = true;
     dg_words_event(&rig.wire, &event);
-    (void)say(&rig, DG_MS(3), false, "42 02");
+    (void)pass_bytes(&rig, DG_MS(3), false, "42 02");
     (void)dg_words_step(&rig.wire, DG_S(1));
     assert_string_equal(rig.text, "40h 42h read position, damaged");
     assert_int_equal(rig.severity, ERROR);
 
     dg_ns at = DG_S(2);
     for (unsigned i = 0; i < 200; i++) {
-        at = say(&rig, at, false, "40");
+        at = pass_bytes(&rig, at, false, "40");
     }
     (void)dg_words_step(&rig.wire, DG_S(9));
     assert_int_equal(rig.count, 2);
@@ -286,7 +286,7 @@ static void lines_name_their_chapter(void **state)
     for (size_t i = 0; i < DG_COUNT(rows); i++) {
         struct words_rig rig;
         words_rig_init(&rig, &dg_hf_words);
-        const dg_ns end = say(&rig, DG_MS(5), rows[i].ours, rows[i].hex);
+        const dg_ns end = pass_bytes(&rig, DG_MS(5), rows[i].ours, rows[i].hex);
         (void)dg_words_step(&rig.wire, end + DG_S(1));
         assert_non_null(rig.clause);
         assert_string_equal(rig.clause, rows[i].clause);

@@ -36,7 +36,7 @@ struct sim {
     int levels[CHANGES];
 };
 
-static void look(struct sim *self)
+static void look_at_wires(struct sim *self)
 {
     int outputs = dg_hdl_wires(self->encoder, self->now, self->inputs);
 
@@ -61,11 +61,11 @@ static void wait_until(struct sim *self, int64_t until)
     while (next != DG_HDL_NEVER && next <= until) {
         assert_true(next > self->now);
         self->now = next;
-        look(self);
+        look_at_wires(self);
         next = dg_hdl_next(self->encoder);
     }
     self->now = until;
-    look(self);
+    look_at_wires(self);
 }
 
 static void begin_with(struct sim *self, const char *model, const char *settings)
@@ -76,7 +76,7 @@ static void begin_with(struct sim *self, const char *model, const char *settings
     assert_string_equal(dg_hdl_error(self->encoder), "");
     self->inputs = DG_HDL_CLOCK;
     self->outputs = -1;
-    look(self);
+    look_at_wires(self);
     wait_until(self, NS); /* power */
     self->now = 0;
     self->count = 0;
@@ -85,7 +85,7 @@ static void begin_with(struct sim *self, const char *model, const char *settings
 static void set(struct sim *self, int inputs)
 {
     self->inputs = inputs;
-    look(self);
+    look_at_wires(self);
 }
 
 static void clock_frame(struct sim *self, unsigned clocks, int64_t period)
@@ -133,7 +133,7 @@ static void play_beginning(const struct beginning *row)
     for (size_t i = 0; i < 3; i++) {
         while (dg_hdl_next(sim.encoder) != DG_HDL_NEVER && dg_hdl_next(sim.encoder) < row->at[i]) {
             sim.now = dg_hdl_next(sim.encoder);
-            look(&sim);
+            look_at_wires(&sim);
         }
         sim.now = row->at[i];
         set(&sim, row->levels[i]);
@@ -320,7 +320,7 @@ static void a_fault_is_seen_behind_the_cable(void **state)
 
 /* --- RS485 --- */
 
-static void put(struct sim *self, unsigned byte, unsigned parity, unsigned stop)
+static void put_character(struct sim *self, unsigned byte, unsigned parity, unsigned stop)
 {
     const unsigned bits = byte << 1 | parity << 9 | stop << 10;
 
@@ -336,10 +336,10 @@ static int64_t ask(struct sim *self, unsigned parity, unsigned stop)
 {
     self->count = 0;
     wait_until(self, self->now + 50000 * US);
-    put(self, 0x40, 1, 1);
-    put(self, 0x42, parity, stop);
+    put_character(self, 0x40, 1, 1);
+    put_character(self, 0x42, parity, stop);
     wait_until(self, self->now + 300 * US);
-    put(self, 0x02, 1, 1);
+    put_character(self, 0x02, 1, 1);
     wait_until(self, self->now + 50000 * US);
     assert_true(self->count > 2);
     return (self->at[self->count - 1u] - self->at[0] + 100 * US) / (11 * (1000000 * US / 9600));
@@ -370,9 +370,9 @@ static void power_that_goes_ends_a_character(void **state)
 
     (void)state;
     begin_with(&sim, "s3684-rs485", "");
-    put(&sim, 0x40, 1, 1);
-    put(&sim, 0x42, 0, 1);
-    put(&sim, 0x02, 1, 1);
+    put_character(&sim, 0x40, 1, 1);
+    put_character(&sim, 0x42, 0, 1);
+    put_character(&sim, 0x02, 1, 1);
     while (sim.outputs == DG_HDL_TX) {
         wait_until(&sim, sim.now + 100 * US);
     }
@@ -560,9 +560,9 @@ static int64_t ask_position(struct sim *self)
     const int64_t begin = self->now;
 
     self->count = 0;
-    put(self, 0x40, 1, 1);
-    put(self, 0x42, 0, 1);
-    put(self, 0x02, 1, 1);
+    put_character(self, 0x40, 1, 1);
+    put_character(self, 0x42, 0, 1);
+    put_character(self, 0x02, 1, 1);
     wait_until(self, self->now + 30000 * US);
     assert_true(self->count > 2);
     assert_int_equal(self->levels[0], DG_HDL_DRIVER);
@@ -586,9 +586,9 @@ static void power_begins_anew(void **state)
     cycle_power(&sim);
     assert_in_range(ask_position(&sim), latest - 2 * US, latest);
     /* in the middle of an answer of 40 characters */
-    put(&sim, 0x40, 1, 1);
-    put(&sim, 0x56, 0, 1);
-    put(&sim, 0x16, 1, 1);
+    put_character(&sim, 0x40, 1, 1);
+    put_character(&sim, 0x56, 0, 1);
+    put_character(&sim, 0x16, 1, 1);
     while (sim.outputs == DG_HDL_TX) {
         wait_until(&sim, sim.now + 100 * US);
     }

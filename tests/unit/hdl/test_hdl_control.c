@@ -60,7 +60,7 @@ static struct sim begin(void)
     return self;
 }
 
-static void look(struct sim *self)
+static void look_at_wires(struct sim *self)
 {
     const int64_t next = dg_hdl_next(self->encoder);
 
@@ -80,7 +80,7 @@ static int connect_to(void)
     return fd;
 }
 
-static void say(int fd, const char *text)
+static void send_text(int fd, const char *text)
 {
     assert_int_equal(send(fd, text, strlen(text), MSG_NOSIGNAL), (ssize_t)strlen(text));
 }
@@ -92,7 +92,7 @@ static void expect(struct sim *self, int fd, const char *text)
     size_t n = 0;
 
     for (unsigned i = 0; i < LOOKS_MAX && n < strlen(text); i++) {
-        look(self);
+        look_at_wires(self);
         const ssize_t more = recv(fd, got + n, sizeof got - 1u - n, 0);
         n += more > 0 ? (size_t)more : 0;
     }
@@ -105,7 +105,7 @@ static void expect_end(struct sim *self, int fd)
     ssize_t n = -1;
 
     for (unsigned i = 0; i < LOOKS_MAX && n < 0; i++) {
-        look(self);
+        look_at_wires(self);
         n = recv(fd, &byte, 1, 0);
         n = n < 0 && errno == ECONNRESET ? 0 : n; /* not all of it was read */
     }
@@ -122,13 +122,13 @@ static void lines_are_answered(void **state)
     (void)state;
     assert_int_equal(stat(path, &info), 0);
     assert_int_equal(info.st_mode & 0777, 0600);
-    say(fd, "SHAF:POS?\r\nSHAF:POS 4");
+    send_text(fd, "SHAF:POS?\r\nSHAF:POS 4");
     expect(&sim, fd, "90.000000\n");
-    say(fd, "5\nNONSENSE\n\nSHAF:POS?\rSYST:ERR?;ERR?\n");
+    send_text(fd, "5\nNONSENSE\n\nSHAF:POS?\rSYST:ERR?;ERR?\n");
     expect(&sim, fd,
            "45.000000\n-113,\"Undefined header;NONSENSE; SYSTem:HELP? has all\";0,\"No error\"\n");
     assert_int_equal(dg_hdl_position(sim.encoder, sim.now), 1 << 18);
-    say(fd, "FAUL:SET wire_drop\nFAUL:ACT?\n");
+    send_text(fd, "FAUL:SET wire_drop\nFAUL:ACT?\n");
     (void)shutdown(fd, SHUT_WR);
     expect(&sim, fd, "\"wire_drop\"\n");
     expect_end(&sim, fd);
@@ -143,10 +143,10 @@ static void a_command_waits_for_the_simulation(void **state)
     const int fd = connect_to();
 
     (void)state;
-    say(fd, "SHAF:POS 0;MOVE 90,600RPM;*OPC?\nSHAF:POS?\n");
+    send_text(fd, "SHAF:POS 0;MOVE 90,600RPM;*OPC?\nSHAF:POS?\n");
     expect(&sim, fd, "1\n90.000000\n");
     assert_true(sim.now >= 25000 * US);
-    say(fd, "SHAF:MOVE 180,600RPM;*OPC?\n");
+    send_text(fd, "SHAF:MOVE 180,600RPM;*OPC?\n");
     expect(&sim, fd, "1\n");
     (void)close(fd);
     dg_hdl_close(sim.encoder);
@@ -159,10 +159,10 @@ static void the_next_client_finds_an_empty_session(void **state)
     const int two = connect_to();
 
     (void)state;
-    say(two, "SYST:ERR?\n");
-    say(one, "NONSENSE\n*IDN?;*OPC?\n");
+    send_text(two, "SYST:ERR?\n");
+    send_text(one, "NONSENSE\n*IDN?;*OPC?\n");
     for (unsigned i = 0; i < 20; i++) {
-        look(&sim);
+        look_at_wires(&sim);
     }
     (void)close(one); /* it does not wait for its answers */
     expect(&sim, two, "0,\"No error\"\n");
@@ -192,7 +192,7 @@ static void a_socket_in_use_is_left_alone(void **state)
     assert_non_null(strstr(dg_hdl_error(other), "in use already"));
     dg_hdl_close(other);
     const int fd = connect_to();
-    say(fd, "SHAF:POS?\n");
+    send_text(fd, "SHAF:POS?\n");
     expect(&sim, fd, "90.000000\n");
     (void)close(fd);
     dg_hdl_close(sim.encoder);

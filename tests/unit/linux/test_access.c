@@ -131,7 +131,7 @@ static const struct {
     {TOKEN "\0" TOKEN, 2u * sizeof TOKEN - 1u, 0600, NULL},
 };
 
-static void put(const char *path, const char *text, size_t n, mode_t mode)
+static void write_file(const char *path, const char *text, size_t n, mode_t mode)
 {
     (void)unlink(path);
     const int fd = open(path, O_WRONLY | O_CREAT | O_EXCL, 0600);
@@ -152,8 +152,8 @@ static void test_token_files(void **state)
     assert_non_null(mkdtemp(folder));
     (void)snprintf(path, sizeof path, "%s/token", folder);
     for (size_t i = 0; i < DG_COUNT(files); i++) {
-        put(path, files[i].text, files[i].n > 0 ? files[i].n : strlen(files[i].text),
-            files[i].mode);
+        write_file(path, files[i].text, files[i].n > 0 ? files[i].n : strlen(files[i].text),
+                   files[i].mode);
         const int result = lx_access_token(path, token, &error);
         assert_int_equal(result, files[i].token == NULL ? -1 : 0);
         if (files[i].token != NULL) {
@@ -162,7 +162,7 @@ static void test_token_files(void **state)
     }
     memset(text, 'x', sizeof text);
     for (size_t more = 0; more < 2; more++) {
-        put(path, text, LX_ACCESS_TOKEN_MAX + more, 0600);
+        write_file(path, text, LX_ACCESS_TOKEN_MAX + more, 0600);
         assert_int_equal(lx_access_token(path, token, &error), more == 0 ? 0 : -1);
     }
     assert_int_equal(unlink(path), 0);

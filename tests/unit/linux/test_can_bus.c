@@ -227,7 +227,7 @@ struct ears {
     unsigned theirs;
 };
 
-static void hear(void *ctx, const struct dg_tap_event *event)
+static void count_event(void *ctx, const struct dg_tap_event *event)
 {
     struct ears *self = ctx;
     assert_int_equal(event->kind, DG_TAP_FRAME);
@@ -240,7 +240,7 @@ static void the_tap_sees_everything(void **state)
 {
     const struct dg_can_frame strange = {.id = 0x555, .dlc = 1};
     struct can_rig *self = *state;
-    struct ears ears = {.listener = {.event = hear, .ctx = &ears}};
+    struct ears ears = {.listener = {.event = count_event, .ctx = &ears}};
     can_rig_plan(self, 1);
     can_rig_open(self, 1);
     assert_false(can_rig_wire(self)->seen_all);

@@ -73,7 +73,7 @@ static void wait_for(struct can_rig *self, size_t count)
 }
 
 /* Frames of the test's with the CAN-IDs from `first` on, past the bus. */
-static void send(struct can_wire *wire, uint16_t first, size_t count)
+static void send_frames(struct can_wire *wire, uint16_t first, size_t count)
 {
     for (size_t i = 0; i < count; i++) {
         const struct dg_can_frame frame = {.id = (uint16_t)(first + i), .dlc = 8};
@@ -163,7 +163,7 @@ static void a_wire_without_room(void **state)
     struct can_rig *self = *state;
     struct can_wire *wire = open_bus(self, NULL);
     wire->full = true;
-    send(wire, 0x100, 3);
+    send_frames(wire, 0x100, 3);
     assert_true(wire->can.stalled);
     assert_true(wire->paused);
     can_rig_run(self, DG_MS(20));
@@ -177,7 +177,7 @@ static void a_wire_without_room(void **state)
     assert_false(wire->paused);
     /* What waits for nobody is forgotten, and the timer finds nothing. */
     wire->full = true;
-    send(wire, 0x103, 2);
+    send_frames(wire, 0x103, 2);
     lx_can_discard(&wire->can);
     wire->full = false;
     can_rig_run(self, DG_MS(5));
@@ -192,11 +192,11 @@ static void a_queue_that_never_empties(void **state)
     struct can_rig *self = *state;
     struct can_wire *wire = open_bus(self, NULL);
     wire->full = true;
-    send(wire, 0x100, 64);
+    send_frames(wire, 0x100, 64);
     wire->full = false;
     wait_for(self, 64);
     wire->full = true;
-    send(wire, 0x140, 64);
+    send_frames(wire, 0x140, 64);
     wire->full = false;
     wait_for(self, 128);
     expect_in_order(wire, 0x100, 128);

@@ -52,7 +52,7 @@ static void on_foreign(void *ctx, uint32_t bits)
     (void)bits;
 }
 
-static void settle(void *ctx, dg_ns now)
+static void settle_wire(void *ctx, dg_ns now)
 {
     struct bench *self = ctx;
     (void)now;
@@ -70,7 +70,7 @@ static void on_character(void *ctx, dg_ns now, const struct lx_character *charac
 }
 
 /* Until nothing more happens. */
-static void turn(const struct bench *self)
+static void turn_loop(const struct bench *self)
 {
     while (sd_event_run(self->event, TURN_US) > 0) {
     }
@@ -85,17 +85,17 @@ static int join(const struct bench *self, const char *address)
     };
     const int fd = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
     assert_int_equal(connect(fd, (const struct sockaddr *)&to, sizeof to), 0);
-    turn(self);
+    turn_loop(self);
     return fd;
 }
 
-static void say(const struct bench *self, unsigned client, const char *text, size_t n)
+static void send_text(const struct bench *self, unsigned client, const char *text, size_t n)
 {
     assert_int_equal(send(self->client[client], text, n, MSG_NOSIGNAL), n);
-    turn(self);
+    turn_loop(self);
 }
 
-#define SAY(self, client, text) say(self, client, text, sizeof(text) - 1u)
+#define SAY(self, client, text) send_text(self, client, text, sizeof(text) - 1u)
 
 static void hears(const struct bench *self, unsigned client, const char *text, size_t n)
 {
@@ -117,7 +117,7 @@ static void open_can(struct bench *self, lx_can_open *open, const char *where)
                                        .where = where,
                                        .rx = on_frame,
                                        .foreign = on_foreign,
-                                       .settle = settle,
+                                       .settle = settle_wire,
                                        .ctx = self};
     self->can = open(&setup, &error);
     assert_non_null(self->can);
@@ -151,7 +151,7 @@ static void end(struct bench *self)
     for (size_t i = 0; i < CLIENTS; i++) {
         (void)close(self->client[i]);
     }
-    turn(self);
+    turn_loop(self);
     lx_can_close(self->can);
     lx_serial_close(self->port);
     (void)sd_event_unref(self->event);
@@ -190,7 +190,7 @@ static void slcan_adapters_share_a_bus(void **state)
     SAY(&bench, 1, "t1240\r");
     assert_int_equal(bench.frames, 1);
     bench.can->ops->pause(bench.can, false);
-    turn(&bench);
+    turn_loop(&bench);
     assert_int_equal(bench.frames, 2);
     end(&bench);
 }
@@ -236,7 +236,7 @@ static void bytes_go_to_all_others(void **state)
           "ab");
     assert_int_equal(bench.port->counters.lost, 0);
     assert_int_equal(shutdown(bench.client[0], SHUT_WR), 0); /* still hears */
-    turn(&bench);
+    turn_loop(&bench);
     lx_serial_put(bench.port, (const uint8_t *)"c", 1);
     HEARS(&bench, 0, "c");
     end(&bench);
@@ -300,7 +300,7 @@ static void what_is_suspended_waits(void **state)
     for (size_t i = 0; i < sizeof flood; i++) {
         flood[i] = asks[i % (sizeof asks - 1u)];
     }
-    say(&bench, 0, flood, sizeof flood / (sizeof asks - 1u) * (sizeof asks - 1u));
+    send_text(&bench, 0, flood, sizeof flood / (sizeof asks - 1u) * (sizeof asks - 1u));
     HEARS(&bench, 0, "");
     SAY(&bench, 0, "\xFF\xFA\x2C\x09\xFF\xF0y");
     assert_int_equal(bench.heard[bench.count - 1u], 'y');
@@ -364,7 +364,7 @@ static void who_does_not_read_loses(void **state)
     }
     while (recv(bench.client[0], flood, sizeof flood, MSG_DONTWAIT) > 0) {
     }
-    turn(&bench);
+    turn_loop(&bench);
     lx_serial_put(bench.port, (const uint8_t *)"!", 1);
     ssize_t n = 0;
     uint8_t last = 0;
@@ -429,7 +429,7 @@ static void a_port_that_is_taken_is_refused(void **state)
                                          .say = &quiet,
                                          .where = where,
                                          .rx = on_frame,
-                                         .settle = settle,
+                                         .settle = settle_wire,
                                          .ctx = &bench};
         if (rows[i].open == NULL) {
             assert_null(lx_net_port_open(&serial, &error));

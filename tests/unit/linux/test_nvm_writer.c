@@ -241,7 +241,7 @@ static int tear_down(void **state)
     return 0;
 }
 
-static int put(struct bench *self, size_t file, uint32_t address, const char *text)
+static int put_text(struct bench *self, size_t file, uint32_t address, const char *text)
 {
     const struct dg_nvm *nvm = &self->nvm[file];
     int result = DG_OK;
@@ -266,7 +266,7 @@ static enum lx_nvm_state state_of(struct bench *self, size_t file)
 }
 
 /* Rounds of the loop until it is no longer pending. */
-static enum lx_nvm_state settle(struct bench *self, size_t file)
+static enum lx_nvm_state settle_file(struct bench *self, size_t file)
 {
     while (state_of(self, file) == LX_NVM_PENDING) {
         assert_true(sd_event_run(self->event, DG_S(10) / 1000u) >= 0);
@@ -280,7 +280,7 @@ static enum lx_nvm_state settle(struct bench *self, size_t file)
 static void put_late(struct bench *self, size_t file, uint32_t address, const char *text)
 {
     set_stuck(true);
-    assert_int_equal(put(self, file, address, text), DG_OK);
+    assert_int_equal(put_text(self, file, address, text), DG_OK);
     assert_int_equal(state_of(self, file), LX_NVM_PENDING);
     await_stuck();
 }
@@ -288,9 +288,9 @@ static void put_late(struct bench *self, size_t file, uint32_t address, const ch
 static void what_is_written_is_read_at_once_and_written_in_order(void **state)
 {
     struct bench *self = *state;
-    assert_int_equal(put(self, 0, 0, "ab|cd|"), DG_OK);
+    assert_int_equal(put_text(self, 0, 0, "ab|cd|"), DG_OK);
     assert_int_equal(byte_at(self, 0, 4), 'd');
-    assert_int_equal(settle(self, 0), LX_NVM_THROUGH);
+    assert_int_equal(settle_file(self, 0), LX_NVM_THROUGH);
     logged("ab|cd|");
     assert_memory_equal(self->memory[0].bytes, "ab-cd-", 6);
 }
@@ -354,14 +354,14 @@ static void a_stuck_disk_keeps_the_device_for_a_moment_only(void **state)
     assert_true(lx_now() - begin >= LX_NVM_MOMENT);
     assert_int_equal(self->queue[0].waits, 1);
     const uint64_t first = self->queue[0].issued;
-    assert_int_equal(put(self, 0, 2, "b|"), DG_OK); /* and waits no second time */
+    assert_int_equal(put_text(self, 0, 2, "b|"), DG_OK); /* and waits no second time */
     assert_int_equal(self->queue[0].waits, 1);
     assert_int_equal(byte_at(self, 0, 2), 'b');
     (void)sd_event_run(self->event, 0);
     assert_int_equal(self->settled[0], 0);
     logged("a");
     set_stuck(false);
-    assert_int_equal(settle(self, 0), LX_NVM_THROUGH);
+    assert_int_equal(settle_file(self, 0), LX_NVM_THROUGH);
     assert_int_equal(lx_nvm_queue_state(&self->queue[0], first), LX_NVM_THROUGH);
     assert_true(self->settled[0] >= 1);
     assert_int_equal(self->settled[1], 0);
@@ -371,7 +371,7 @@ static void a_stuck_disk_keeps_the_device_for_a_moment_only(void **state)
 static dg_ns time_of_sync(struct bench *self, size_t file)
 {
     const dg_ns begin = lx_now();
-    assert_int_equal(put(self, file, 0, "|"), DG_OK);
+    assert_int_equal(put_text(self, file, 0, "|"), DG_OK);
     return lx_now() - begin;
 }
 
@@ -384,7 +384,7 @@ static void a_moment_is_time_of_the_disk(void **state)
     dg_ns behind_other = DG_S(10);
     for (unsigned i = 0; i < 10; i++) {
         hold_write('a');
-        assert_int_equal(put(self, 0, 0, "a"), DG_OK);
+        assert_int_equal(put_text(self, 0, 0, "a"), DG_OK);
         await_stuck();
         (void)usleep((useconds_t)(2u * LX_NVM_MOMENT / 1000u));
         behind_own = dg_earliest(behind_own, time_of_sync(self, 0));
@@ -392,8 +392,8 @@ static void a_moment_is_time_of_the_disk(void **state)
         assert_true(other >= LX_NVM_MOMENT);
         behind_other = dg_earliest(behind_other, other);
         hold_write(0);
-        assert_int_equal(settle(self, 0), LX_NVM_THROUGH);
-        assert_int_equal(settle(self, 1), LX_NVM_THROUGH);
+        assert_int_equal(settle_file(self, 0), LX_NVM_THROUGH);
+        assert_int_equal(settle_file(self, 1), LX_NVM_THROUGH);
     }
     assert_true(behind_own < LX_NVM_MOMENT);
     assert_true(behind_other < LX_NVM_MOMENT_MAX / 2u);
@@ -404,10 +404,10 @@ static void a_sync_is_through_before_the_ones_behind_it(void **state)
     struct bench *self = *state;
     put_late(self, 0, 0, "a|");
     const uint64_t first = self->queue[0].issued;
-    assert_int_equal(put(self, 0, 2, "b|"), DG_OK);
+    assert_int_equal(put_text(self, 0, 2, "b|"), DG_OK);
     disk.fails_at = 2;
     set_stuck(false);
-    assert_int_equal(settle(self, 0), LX_NVM_LOST);
+    assert_int_equal(settle_file(self, 0), LX_NVM_LOST);
     assert_int_equal(lx_nvm_queue_state(&self->queue[0], first), LX_NVM_THROUGH);
     logged("a|b!");
 }
@@ -416,13 +416,13 @@ static void files_take_turns(void **state)
 {
     struct bench *self = *state;
     put_late(self, 0, 0, "a|");
-    assert_int_equal(put(self, 0, 2, "b|c|"), DG_OK);
-    assert_int_equal(put(self, 1, 0, "x|"), DG_OK);
-    assert_int_equal(put(self, 1, 2, "y|"), DG_OK);
+    assert_int_equal(put_text(self, 0, 2, "b|c|"), DG_OK);
+    assert_int_equal(put_text(self, 1, 0, "x|"), DG_OK);
+    assert_int_equal(put_text(self, 1, 2, "y|"), DG_OK);
     logged("a");
     set_stuck(false);
-    assert_int_equal(settle(self, 0), LX_NVM_THROUGH);
-    assert_int_equal(settle(self, 1), LX_NVM_THROUGH);
+    assert_int_equal(settle_file(self, 0), LX_NVM_THROUGH);
+    assert_int_equal(settle_file(self, 1), LX_NVM_THROUGH);
     logged("|X|b|Y|c|");
 }
 
@@ -430,19 +430,19 @@ static void files_take_turns(void **state)
 static void an_early_no_is_told_to_the_device(void **state)
 {
     struct bench *self = *state;
-    assert_int_equal(put(self, 0, 0, "a|"), DG_OK);
-    assert_int_equal(settle(self, 0), LX_NVM_THROUGH);
+    assert_int_equal(put_text(self, 0, 0, "a|"), DG_OK);
+    assert_int_equal(settle_file(self, 0), LX_NVM_THROUGH);
     disk.fails = 1;
-    const int result = put(self, 0, 0, "b|");
+    const int result = put_text(self, 0, 0, "b|");
     if (result == DG_OK) { /* a busy machine: it was late, after all */
-        assert_int_equal(settle(self, 0), LX_NVM_LOST);
+        assert_int_equal(settle_file(self, 0), LX_NVM_LOST);
         return;
     }
     assert_int_equal(result, DG_ERR_IO);
     assert_int_equal(state_of(self, 0), LX_NVM_THROUGH);
     assert_int_equal(byte_at(self, 0, 0), self->memory[0].bytes[0]);
-    assert_int_equal(put(self, 0, 0, "c|"), DG_OK);
-    assert_int_equal(settle(self, 0), LX_NVM_THROUGH);
+    assert_int_equal(put_text(self, 0, 0, "c|"), DG_OK);
+    assert_int_equal(settle_file(self, 0), LX_NVM_THROUGH);
     logged("a|b!c|");
 }
 
@@ -453,10 +453,10 @@ static void an_early_no_reads_without_the_lock(void **state)
     disk.fails = 1;
     disk.answered = false;
     disk.asked = &self->queue[1];
-    const int result = put(self, 0, 0, "b|");
+    const int result = put_text(self, 0, 0, "b|");
     disk.asked = NULL;
     if (result == DG_OK) { /* a busy machine, as above */
-        assert_int_equal(settle(self, 0), LX_NVM_LOST);
+        assert_int_equal(settle_file(self, 0), LX_NVM_LOST);
         return;
     }
     assert_int_equal(result, DG_ERR_IO);
@@ -469,22 +469,22 @@ static void a_late_no_refuses_what_comes_until_all_is_through(void **state)
 {
     struct bench *self = *state;
     put_late(self, 0, 0, "a|");
-    assert_int_equal(put(self, 0, 2, "b|c"), DG_OK);
+    assert_int_equal(put_text(self, 0, 2, "b|c"), DG_OK);
     disk.fails = 2;
     set_stuck(false);
-    assert_int_equal(settle(self, 0), LX_NVM_LOST);
+    assert_int_equal(settle_file(self, 0), LX_NVM_LOST);
     logged("a!");
-    assert_int_equal(put(self, 0, 0, "d"), DG_ERR_IO);
+    assert_int_equal(put_text(self, 0, 0, "d"), DG_ERR_IO);
     assert_int_equal(byte_at(self, 0, 0), 'a');
     assert_int_equal(byte_at(self, 0, 2), 'b');
     while (still_fails()) {
-        assert_int_equal(put(self, 0, 0, "|"), DG_ERR_IO);
+        assert_int_equal(put_text(self, 0, 0, "|"), DG_ERR_IO);
     }
-    while (put(self, 0, 0, "d") != DG_OK) {
+    while (put_text(self, 0, 0, "d") != DG_OK) {
         assert_int_equal(byte_at(self, 0, 0), 'a');
     }
-    assert_int_equal(put(self, 0, 0, "e|"), DG_OK);
-    assert_int_equal(settle(self, 0), LX_NVM_THROUGH);
+    assert_int_equal(put_text(self, 0, 0, "e|"), DG_OK);
+    assert_int_equal(settle_file(self, 0), LX_NVM_THROUGH);
     logged_one_of("a!a|b|cde|", "!|b|cde|");
 }
 
@@ -493,21 +493,21 @@ static void what_is_tried_again_is_not_taken_away(void **state)
 {
     struct bench *self = *state;
     put_late(self, 0, 0, "a|");
-    assert_int_equal(put(self, 0, 2, "b"), DG_OK);
+    assert_int_equal(put_text(self, 0, 2, "b"), DG_OK);
     disk.fails = 1;
     set_stuck(false);
-    assert_int_equal(settle(self, 0), LX_NVM_LOST);
+    assert_int_equal(settle_file(self, 0), LX_NVM_LOST);
     hold_write('b');
-    assert_int_equal(put(self, 0, 0, "c"), DG_ERR_IO);
+    assert_int_equal(put_text(self, 0, 0, "c"), DG_ERR_IO);
     while (state_of(self, 0) != LX_NVM_THROUGH) {
         (void)sched_yield();
     }
     await_stuck();
-    assert_int_equal(put(self, 0, 0, "d|"), DG_ERR_IO);
-    assert_int_equal(put(self, 0, 0, "|"), DG_ERR_IO);
+    assert_int_equal(put_text(self, 0, 0, "d|"), DG_ERR_IO);
+    assert_int_equal(put_text(self, 0, 0, "|"), DG_ERR_IO);
     assert_int_equal(byte_at(self, 0, 2), 'b');
     hold_write(0);
-    while (put(self, 0, 0, "e") != DG_OK) {
+    while (put_text(self, 0, 0, "e") != DG_OK) {
         assert_int_equal(byte_at(self, 0, 2), 'b');
     }
     close_all(self);
@@ -521,9 +521,9 @@ static void a_file_that_fails_keeps_no_other_one(void **state)
     put_late(self, 0, 0, "a|");
     disk.fails = 1;
     set_stuck(false);
-    assert_int_equal(settle(self, 0), LX_NVM_LOST);
-    assert_int_equal(put(self, 1, 0, "x|"), DG_OK);
-    assert_int_equal(settle(self, 1), LX_NVM_THROUGH);
+    assert_int_equal(settle_file(self, 0), LX_NVM_LOST);
+    assert_int_equal(put_text(self, 1, 0, "x|"), DG_OK);
+    assert_int_equal(settle_file(self, 1), LX_NVM_THROUGH);
     assert_int_equal(state_of(self, 0), LX_NVM_LOST);
     logged("a!X|");
 }
@@ -539,16 +539,16 @@ static void an_answer_is_kept_and_one_behind_a_loss_is_dropped(void **state)
     assert_int_equal(lx_nvm_queue_answer(queue), DG_BUS_KEEP);
     disk.fails = 1;
     set_stuck(false);
-    assert_int_equal(settle(self, 0), LX_NVM_LOST);
+    assert_int_equal(settle_file(self, 0), LX_NVM_LOST);
     assert_int_equal(lx_nvm_queue_answer(queue), DG_BUS_DROP);
-    assert_int_equal(put(self, 0, 0, "b"), DG_ERR_IO);
+    assert_int_equal(put_text(self, 0, 0, "b"), DG_ERR_IO);
     assert_int_equal(lx_nvm_queue_answer(queue), DG_BUS_SAY); /* that it is refused */
-    while (put(self, 0, 0, "b") != DG_OK) {
+    while (put_text(self, 0, 0, "b") != DG_OK) {
     }
     put_late(self, 0, 1, "|");
     assert_int_equal(lx_nvm_queue_answer(queue), DG_BUS_KEEP);
     set_stuck(false);
-    assert_int_equal(settle(self, 0), LX_NVM_THROUGH);
+    assert_int_equal(settle_file(self, 0), LX_NVM_THROUGH);
     assert_int_equal(lx_nvm_queue_answer(queue), DG_BUS_SAY);
 }
 
@@ -565,9 +565,9 @@ static void the_writer_knows_of_all_files(void **state)
     assert_int_equal(lx_nvm_writer_state(self->writer, first, first), LX_NVM_THROUGH);
     disk.fails = 1;
     set_stuck(false);
-    assert_int_equal(settle(self, 0), LX_NVM_LOST);
-    assert_int_equal(put(self, 1, 0, "x|"), DG_OK);
-    assert_int_equal(settle(self, 1), LX_NVM_THROUGH);
+    assert_int_equal(settle_file(self, 0), LX_NVM_LOST);
+    assert_int_equal(put_text(self, 1, 0, "x|"), DG_OK);
+    assert_int_equal(settle_file(self, 1), LX_NVM_THROUGH);
     const uint64_t second = lx_nvm_writer_ticket(self->writer);
     assert_int_equal(lx_nvm_writer_state(self->writer, begin, second), LX_NVM_LOST);
     assert_int_equal(lx_nvm_writer_state(self->writer, first, second), LX_NVM_THROUGH);
@@ -591,7 +591,7 @@ static void closing_waits_for_the_disk(void **state)
     char said[256];
     pthread_t helper;
     put_late(self, 0, 0, "a|b|c");
-    assert_int_equal(put(self, 1, 0, "x|"), DG_OK);
+    assert_int_equal(put_text(self, 1, 0, "x|"), DG_OK);
     stderr_hear(&heard);
     assert_int_equal(pthread_create(&helper, NULL, let_go, NULL), 0);
     close_all(self);
@@ -608,7 +608,7 @@ static void closing_tries_once_more(void **state)
     put_late(self, 0, 0, "a|b|");
     disk.fails = 1;
     set_stuck(false);
-    assert_int_equal(settle(self, 0), LX_NVM_LOST);
+    assert_int_equal(settle_file(self, 0), LX_NVM_LOST);
     close_all(self);
     logged_one_of("a!a|b|", "a!|b|");
     assert_memory_equal(self->memory[0].bytes, "a-b", 3);
@@ -655,18 +655,18 @@ static void a_commit_that_is_lost_mixes_nothing(void **state)
                          DG_OK);
         assert_int_equal(dg_store_mount(&store, &dg_hf_layout, self->nvm[0]), DG_OK);
         assert_int_equal(put_user(&store, "old."), DG_OK);
-        assert_int_equal(settle(self, 0), LX_NVM_THROUGH);
+        assert_int_equal(settle_file(self, 0), LX_NVM_THROUGH);
         set_stuck(true);
         assert_int_equal(put_user(&store, "one."), DG_OK);
         assert_int_equal(put_user(&store, "two."), DG_OK);
         disk.fails_at = failing;
         set_stuck(false);
-        assert_int_equal(settle(self, 0), LX_NVM_LOST);
+        assert_int_equal(settle_file(self, 0), LX_NVM_LOST);
         disk_has_one_of(self, any);
         assert_int_equal(put_user(&store, "bad."), DG_ERR_IO);
         while (put_user(&store, "new.") != DG_OK) {
         }
-        assert_int_equal(settle(self, 0), LX_NVM_THROUGH);
+        assert_int_equal(settle_file(self, 0), LX_NVM_THROUGH);
         disk_has_one_of(self, (const char *const[]){"new.", NULL});
     }
 }

@@ -193,7 +193,7 @@ static struct dg_ib *device(struct bench *self, size_t i)
     return self->station[i].control->device;
 }
 
-static void turn(struct bench *self)
+static void turn_loop(struct bench *self)
 {
     assert_true(sd_event_run(self->event, TURN_US) >= 0);
 }
@@ -210,7 +210,7 @@ static void read_registers(struct bench *self, uint16_t first, uint16_t count, u
     assert_true(modbus_send_raw_request(self->client, request, sizeof request) > 0);
     while (poll(&socket, 1, 0) == 0) {
         assert_true(lx_now() < end);
-        turn(self);
+        turn_loop(self);
     }
     assert_int_equal(modbus_receive_confirmation(self->client, answer), 9 + 2 * count);
     for (uint16_t i = 0; i < count; i++) {
@@ -249,14 +249,14 @@ static struct bench *running(void **state)
 }
 
 /* As the rig does before it reads or changes anything. */
-static void look(struct bench *self)
+static void look_at_ring(struct bench *self)
 {
     self->bus->ops->look(self->bus, lx_now());
 }
 
 static uint32_t cycles_of_first(struct bench *self)
 {
-    look(self);
+    look_at_ring(self);
     return device(self, 0)->counters.cycles;
 }
 
@@ -266,7 +266,7 @@ static void wait_for_cycles(struct bench *self, uint32_t count)
     const uint32_t first = cycles_of_first(self);
     while (cycles_of_first(self) - first < count) {
         assert_true(lx_now() < end);
-        turn(self);
+        turn_loop(self);
     }
 }
 
@@ -275,21 +275,21 @@ static void changed(struct bench *self, size_t i)
     self->bus->ops->changed(self->bus, &self->station[i], lx_now());
 }
 
-static void bend(struct bench *self, size_t i, enum dg_wire_fault fault, uint32_t count)
+static void set_wire_fault(struct bench *self, size_t i, enum dg_wire_fault fault, uint32_t count)
 {
-    look(self);
+    look_at_ring(self);
     station_bend(&self->station[i], lx_now(), fault, count);
     changed(self, i);
 }
 
 static void mend(struct bench *self, size_t i, enum dg_wire_fault fault)
 {
-    look(self);
+    look_at_ring(self);
     station_mend(&self->station[i], fault);
     changed(self, i);
 }
 
-static void hear(void *ctx, const struct dg_tap_event *event)
+static void keep_event(void *ctx, const struct dg_tap_event *event)
 {
     struct ears *self = ctx;
     if (event->kind == DG_TAP_NOTE) {
@@ -307,14 +307,14 @@ static void hear(void *ctx, const struct dg_tap_event *event)
 
 static void listen_to(struct bench *self)
 {
-    self->ears = (struct ears){.listener = {.event = hear, .ctx = &self->ears}};
-    look(self);
+    self->ears = (struct ears){.listener = {.event = keep_event, .ctx = &self->ears}};
+    look_at_ring(self);
     lx_tap_add(&self->bus->tap, &self->ears.listener);
     self->bus->ops->changed(self->bus, NULL, lx_now());
 }
 
 /* Until nothing has been to do for many cycles. */
-static void settle(struct bench *self)
+static void settle_ring(struct bench *self)
 {
     for (int i = 0; i < 10000 && sd_event_run(self->event, 20u * TURN_US) > 0; i++) {
     }
@@ -451,7 +451,7 @@ static void shift_second(struct bench *self)
     shift(self, 0x0802, 0x55);
     while (device(self, 1)->last_command != 0x0A000055) {
         assert_true(lx_now() < end);
-        turn(self);
+        turn_loop(self);
     }
     assert_int_equal(device(self, 1)->shift, 0x55);
 }
@@ -503,13 +503,13 @@ static void power_off_interrupts_the_ring(void **state)
     struct bench *self = running(state);
     listen_to(self);
     wait_for_cycles(self, 2);
-    look(self);
+    look_at_ring(self);
     dg_ib_power_off(device(self, 1));
     changed(self, 1);
     wait_for_status(self, 2 | 8);
     assert_int_equal(get(self, 0x2000), 0x0136);
     assert_int_equal(get(self, 0x2010), 0);
-    look(self);
+    look_at_ring(self);
     assert_int_equal(dg_ib_power_on(device(self, 1), lx_now()), DG_OK);
     changed(self, 1);
     wait_for_status(self, 1);
@@ -528,10 +528,10 @@ static void breaks(void **state)
     wait_for_status(self, 2 | 8);
     wait_for(self, 0x2010, 0x0237);
     assert_int_equal(get(self, 0x2020), 0);
-    bend(self, 1, DG_WIRE_BREAK, 0);
+    set_wire_fault(self, 1, DG_WIRE_BREAK, 0);
     wait_for(self, 0x2010, 0);
     assert_int_equal(get(self, 0x2000), 0x0136);
-    bend(self, 0, DG_WIRE_BREAK, 0);
+    set_wire_fault(self, 0, DG_WIRE_BREAK, 0);
     mend(self, 1, DG_WIRE_BREAK);
     wait_for(self, 0x2000, 0);
     mend(self, 0, DG_WIRE_BREAK);
@@ -543,16 +543,16 @@ static void dropped_cycles(void **state)
 {
     struct bench *self = running(state);
     listen_to(self);
-    bend(self, 1, DG_WIRE_DROP, 0);
+    set_wire_fault(self, 1, DG_WIRE_DROP, 0);
     const uint32_t cycles = device(self, 0)->counters.cycles;
     while (self->ears.invalid < 20) {
-        turn(self);
+        turn_loop(self);
     }
     assert_int_equal(device(self, 0)->counters.cycles, cycles);
     assert_int_equal(self->ears.valid, 0);
     mend(self, 1, DG_WIRE_DROP);
     wait_for_cycles(self, 5);
-    bend(self, 2, DG_WIRE_DROP, 3);
+    set_wire_fault(self, 2, DG_WIRE_DROP, 3);
     self->ears.invalid = 0;
     wait_for_cycles(self, 5);
     assert_int_equal(self->ears.invalid, 3);
@@ -562,7 +562,7 @@ static void transmission_errors(void **state)
 {
     struct bench *self = running(state);
     listen_to(self);
-    bend(self, 1, DG_WIRE_DAMAGE, 2);
+    set_wire_fault(self, 1, DG_WIRE_DAMAGE, 2);
     wait_for_cycles(self, 20);
     assert_int_equal(device(self, 0)->counters.crc_errors, 0);
     assert_int_equal(device(self, 1)->counters.crc_errors, 2);
@@ -575,19 +575,19 @@ static void torn_words(void **state)
 {
     uint16_t in[5];
     struct bench *self = running(state);
-    look(self);
+    look_at_ring(self);
     self->angle[0] = 0x123 * STEP;
     self->angle[1] = 0x12345 * STEP;
     self->angle[2] = 0x12345 * STEP;
     wait_for_cycles(self, 3);
-    bend(self, 0, DG_WIRE_TEAR, 1);
-    bend(self, 1, DG_WIRE_TEAR, 1);
+    set_wire_fault(self, 0, DG_WIRE_TEAR, 1);
+    set_wire_fault(self, 1, DG_WIRE_TEAR, 1);
     self->angle[0] = 0x456 * STEP;
     self->angle[1] = 0x23456 * STEP;
     self->angle[2] = 0x23456 * STEP;
     /* Stop the ring in the cycle that was torn. */
     wait_for_cycles(self, 1);
-    bend(self, 0, DG_WIRE_DROP, 0);
+    set_wire_fault(self, 0, DG_WIRE_DROP, 0);
     read_registers(self, 0, 5, in);
     assert_int_equal(in[0], 0x156);
     assert_int_equal(in[1], 0x0001);
@@ -606,7 +606,7 @@ static void a_ring_sleeps_until_it_is_needed(void **state)
 {
     struct bench *self = running(state);
     wait_for_cycles(self, 10);
-    settle(self);
+    settle_ring(self);
     for (int i = 0; i < 3; i++) {
         const uint32_t before = cycles_of_first(self);
         assert_int_equal(wakes_in(self, 100, 0), 0);
@@ -614,21 +614,21 @@ static void a_ring_sleeps_until_it_is_needed(void **state)
     }
     shift(self, 0x0801, 0x66);
     while (device(self, 1)->shift != 0x66) { /* nobody looks */
-        turn(self);
+        turn_loop(self);
     }
-    settle(self);
+    settle_ring(self);
     assert_int_equal(wakes_in(self, 100, 0), 0);
     listen_to(self);
     assert_true(wakes_in(self, 2000, 20) > 20);
-    look(self);
+    look_at_ring(self);
     lx_tap_remove(&self->bus->tap, &self->ears.listener);
     self->bus->ops->changed(self->bus, NULL, lx_now());
-    settle(self);
+    settle_ring(self);
     assert_int_equal(wakes_in(self, 100, 0), 0);
-    bend(self, 2, DG_WIRE_DAMAGE, 0);
+    set_wire_fault(self, 2, DG_WIRE_DAMAGE, 0);
     assert_true(wakes_in(self, 2000, 20) > 20);
     mend(self, 2, DG_WIRE_DAMAGE);
-    settle(self);
+    settle_ring(self);
     assert_int_equal(wakes_in(self, 100, 0), 0);
 }
 
@@ -638,9 +638,9 @@ static void a_ring_sleeps_again_when_its_fault_is_used_up(void **state)
     static const enum dg_wire_fault each[] = {DG_WIRE_DROP, DG_WIRE_DAMAGE, DG_WIRE_TEAR};
     struct bench *self = running(state);
     for (size_t i = 0; i < DG_COUNT(each); i++) {
-        bend(self, 2, each[i], 2);
+        set_wire_fault(self, 2, each[i], 2);
         wait_for_cycles(self, 10);
-        settle(self);
+        settle_ring(self);
         assert_int_equal(wakes_in(self, 100, 0), 0);
     }
 }
@@ -654,7 +654,7 @@ static void late_are_missed_cycles(void **state)
     listen_to(self);
     (void)usleep(120000); /* the loop has not begun */
     const dg_ns begin = lx_now();
-    turn(self);
+    turn_loop(self);
     wait_for_cycles(self, 1);
     const uint64_t before = self->bus->late; /* none, unless the machine stood still since */
     assert_true(before * DG_MS(50) <= dg_elapsed(lx_now(), begin));

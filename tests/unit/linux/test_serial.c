@@ -36,7 +36,7 @@ struct owner {
     size_t more[64];
 };
 
-static void hear(void *ctx, dg_ns now, const struct lx_character *character)
+static void keep_character(void *ctx, dg_ns now, const struct lx_character *character)
 {
     struct owner *self = ctx;
     (void)now;
@@ -63,7 +63,7 @@ static struct lx_serial_setup setup_of(struct owner *self, const char *where)
         .where = where,
         .uart = {.baud = 9600, .parity = 'E'},
         .found_baud = 19200,
-        .rx = hear,
+        .rx = keep_character,
         .back = is_back,
         .ctx = self,
     };
@@ -88,7 +88,7 @@ static void close_port(struct owner *self)
 }
 
 /* Until nothing more happens. */
-static void turn(struct owner *self)
+static void turn_loop(struct owner *self)
 {
     while (sd_event_run(self->event, TURN_US) > 0) {
     }
@@ -102,7 +102,7 @@ static void turn_for(struct owner *self, dg_ns span)
     }
 }
 
-static void say(struct owner *self, const char *text)
+static void send_text(struct owner *self, const char *text)
 {
     assert_int_equal(write(self->master, text, strlen(text)), strlen(text));
 }
@@ -112,8 +112,8 @@ static void what_follows_is_counted(void **state)
     struct owner self = {.count = 0};
     (void)state;
     open_port(&self);
-    say(&self, "abc");
-    turn(&self);
+    send_text(&self, "abc");
+    turn_loop(&self);
     assert_int_equal(self.count, 3);
     assert_memory_equal(self.heard, "abc", 3);
     assert_true(self.more[0] == 2 && self.more[1] == 1 && self.more[2] == 0);
@@ -126,19 +126,19 @@ static void a_paused_port_keeps_the_rest(void **state)
     struct owner self = {.pause_after = 2};
     (void)state;
     open_port(&self);
-    say(&self, "abcd");
-    turn(&self);
+    send_text(&self, "abcd");
+    turn_loop(&self);
     assert_int_equal(self.count, 2);
-    say(&self, "ef");
-    turn(&self);
+    send_text(&self, "ef");
+    turn_loop(&self);
     assert_int_equal(self.count, 2);
     self.pause_after = 3;
     lx_serial_pause(self.port, false);
     assert_int_equal(self.count, 3);
-    turn(&self);
+    turn_loop(&self);
     assert_int_equal(self.count, 3);
     lx_serial_pause(self.port, false);
-    turn(&self);
+    turn_loop(&self);
     assert_int_equal(self.count, 6);
     assert_memory_equal(self.heard, "abcdef", 6);
     close_port(&self);
@@ -193,26 +193,26 @@ static void a_pty_hears_how_fast_its_client_is(void **state)
     struct termios line;
     (void)state;
     open_port(&self);
-    say(&self, "a");
-    turn(&self);
+    send_text(&self, "a");
+    turn_loop(&self);
     assert_int_equal(self.port->baud, 19200);
     set_speed(self.master, B38400, CLOCAL);
-    turn(&self);
+    turn_loop(&self);
     assert_int_equal(self.count, 1); /* what was set is no character */
     assert_int_equal(tcgetattr(self.master, &line), 0);
     assert_int_equal(line.c_cflag & (CLOCAL | CREAD), CREAD);
     assert_int_equal(cfgetospeed(&line), B38400);
-    say(&self, "b");
-    turn(&self);
+    send_text(&self, "b");
+    turn_loop(&self);
     assert_int_equal(self.port->baud, 38400);
     set_speed(self.master, B134, 0);
-    say(&self, "c");
-    turn(&self);
+    send_text(&self, "c");
+    turn_loop(&self);
     assert_int_equal(self.port->baud, 0); /* none that an encoder has */
     assert_memory_equal(self.heard, "abc", 3);
     self.port->setup.any_line = true;
-    say(&self, "d");
-    turn(&self);
+    send_text(&self, "d");
+    turn_loop(&self);
     assert_true(self.port->baud == LX_BAUD_ANY);
     close_port(&self);
 }
@@ -356,20 +356,20 @@ static void a_uart_is_set_up_and_its_characters_are_heard(void **state)
     (void)state;
     self.master = make_pty(slave);
     mess_up(self.master);
-    say(&self, "old");
+    send_text(&self, "old");
     open_tty(&self, slave);
     is_set_to(self.master, B9600, false);
     assert_false(self.port->timed);
-    say(&self, "a\xFF\xFF\x11\r"); /* also what is special to PARMRK and to terminals */
-    turn(&self);
+    send_text(&self, "a\xFF\xFF\x11\r"); /* also what is special to PARMRK and to terminals */
+    turn_loop(&self);
     assert_int_equal(self.count, 5);
     assert_memory_equal(self.heard, "a\xFF\xFF\x11\r", 5);
     assert_int_equal(self.port->baud, 9600);
     assert_int_equal(self.port->parity, 'E');
     lx_serial_set(self.port, &(struct lx_uart){.baud = 38400, .parity = 'O'});
     is_set_to(self.master, B38400, true);
-    say(&self, "b");
-    turn(&self);
+    send_text(&self, "b");
+    turn_loop(&self);
     assert_int_equal(self.port->baud, 38400);
     assert_int_equal(self.port->parity, 'O');
     lx_serial_set(self.port, &(struct lx_uart){.baud = 9600, .parity = 'N'});
@@ -423,7 +423,7 @@ static void a_port_behind_a_link_is_looked_for(void **state)
         assert_int_equal(symlink(slave, link), 0);
         open_tty(&self, linked ? link : slave);
         assert_int_equal(close(self.master), 0);
-        turn(&self);
+        turn_loop(&self);
         assert_false(lx_serial_up(self.port));
         assert_int_equal(lx_serial_send(self.port, (const uint8_t *)"x", 1), 0);
         assert_int_equal(unlink(link), 0);
@@ -438,8 +438,8 @@ static void a_port_behind_a_link_is_looked_for(void **state)
         }
         assert_int_equal(self.backs, linked);
         assert_int_equal(lx_serial_up(self.port), linked);
-        say(&self, "a");
-        turn(&self);
+        send_text(&self, "a");
+        turn_loop(&self);
         assert_int_equal(self.count, linked);
         assert_int_equal(unlink(link), 0);
         close_port(&self);

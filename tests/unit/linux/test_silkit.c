@@ -95,7 +95,7 @@ static void run(struct bench *self)
     } while (sd_event_get_state(self->event) != SD_EVENT_FINISHED && lx_rig_step(self->rig));
 }
 
-static void step(struct bench *self, uint64_t at)
+static void step_simulation(struct bench *self, uint64_t at)
 {
     self->fake->step(self->fake->ctx, NULL, at, MS);
     run(self);
@@ -135,7 +135,7 @@ static void begin(struct bench *self)
     run(self);
     assert_int_equal(self->fake->started, 1);
     assert_int_equal(self->fake->frames, 0); /* nobody could answer yet */
-    step(self, 0);
+    step_simulation(self, 0);
 }
 
 /* ---------------------------------------------------------------- tests */
@@ -187,16 +187,16 @@ static void frames_are_handled_in_the_order_of_their_moments(void **state)
     open_bench(&bench, "", NULL);
     begin(&bench);
     receive(&bench, MS / 2, 0, 0, "\x01\x00", 2);
-    step(&bench, MS);
+    step_simulation(&bench, MS);
     bench.fake->frames = 0;
     receive(&bench, 502 * MS, 0x80, 0, "", 0);
     receive(&bench, 501 * MS, 0x80, 0, "", 0);
     receive(&bench, 503 * MS, 0x80, 0, "", 0);
-    step(&bench, 503 * MS);
+    step_simulation(&bench, 503 * MS);
     assert_int_equal(bench.fake->frames, 2);
     assert_int_equal(dg_load_le32(bench.fake->sent[0].bytes), 501 * 65536 / 1000);
     assert_int_equal(dg_load_le32(bench.fake->sent[1].bytes), 502 * 65536 / 1000);
-    step(&bench, 504 * MS);
+    step_simulation(&bench, 504 * MS);
     assert_int_equal(bench.fake->frames, 3);
     assert_int_equal(dg_load_le32(bench.fake->sent[2].bytes), 503 * 65536 / 1000);
     close_bench(&bench);
@@ -214,7 +214,7 @@ static void who_has_another_clock_is_heard_at_once(void **state)
     receive(&bench, LATE, 0x63F, 0x200, upload, sizeof upload);  /* 29 bits */
     receive(&bench, LATE, 0x63F, 0x1000, upload, sizeof upload); /* CAN FD */
     receive(&bench, LATE, 0x63F, 0, text, 64);
-    step(&bench, MS);
+    step_simulation(&bench, MS);
     assert_int_equal(bench.fake->frames, 1);
     assert_int_equal(bench.fake->sent[0].id, 0x5BF);
     close_bench(&bench);
@@ -225,7 +225,7 @@ static const struct fake_topic *packed(struct bench *bench, uint64_t at)
 {
     const struct fake_topic *from = topic(bench, "CAN/frames");
     const unsigned before = from->count;
-    step(bench, at);
+    step_simulation(bench, at);
     assert_int_equal(from->count, before + 1u);
     return from;
 }
@@ -250,9 +250,9 @@ static void packed_frames_are_those_of_a_step(void **state)
     assert_int_equal(from->size, sizeof boot);
     assert_memory_equal(from->bytes, boot, sizeof boot);
     publish(&bench, MS / 2, "CAN/frames/to", start, sizeof start);
-    step(&bench, MS);
+    step_simulation(&bench, MS);
     const unsigned quiet_count = from->count;
-    step(&bench, 2 * MS);
+    step_simulation(&bench, 2 * MS);
     assert_int_equal(from->count, quiet_count); /* nothing was said */
     publish(&bench, 501 * MS, "CAN/frames/to", two, sizeof two);
     (void)packed(&bench, 503 * MS);
@@ -276,12 +276,12 @@ static void packed_frames_are_held_until_their_step_is_over(void **state)
     open_bench(&bench, PACKED, NULL);
     bench.fake->ready(bench.fake->ctx, NULL);
     run(&bench);
-    step(&bench, 0);
+    step_simulation(&bench, 0);
     publish(&bench, 0, "CAN/frames/to", start, sizeof start);
-    step(&bench, 500 * MS);
+    step_simulation(&bench, 500 * MS);
     publish(&bench, 501 * MS, "CAN/frames/to", sync, sizeof sync); /* before the step at 501 ms, */
     const unsigned before = topic(&bench, "CAN/frames")->count;
-    step(&bench, 501 * MS);
+    step_simulation(&bench, 501 * MS);
     assert_int_equal(topic(&bench, "CAN/frames")->count, before);
     publish(&bench, 501 * MS, "CAN/frames/to", sync, sizeof sync); /* ... and behind it */
     const struct fake_topic *from = packed(&bench, 502 * MS);
@@ -300,18 +300,18 @@ static void what_is_no_packed_frames_is_left_out(void **state)
     open_bench(&bench, PACKED, NULL);
     bench.fake->ready(bench.fake->ctx, NULL);
     run(&bench);
-    step(&bench, 0);
+    step_simulation(&bench, 0);
     publish(&bench, 1, "CAN/frames/to", (const uint8_t[]){HEAD(1), 0, 0, 0, 0, 0, 0, 2, 0, 1, 0},
             22);
     for (size_t n = 0; n < sizeof sync; n++) {
         publish(&bench, 1, "CAN/frames/to", sync, n);
     }
     publish(&bench, 1, "CAN/frames/to", wide, sizeof wide);
-    step(&bench, MS);
+    step_simulation(&bench, MS);
     const unsigned before = topic(&bench, "CAN/frames")->count;
     publish(&bench, MS, "CAN/frames/to", sync, sizeof sync);
     publish(&bench, MS, "CAN/frames/to", wide, sizeof wide);
-    step(&bench, 2 * MS);
+    step_simulation(&bench, 2 * MS);
     assert_int_equal(topic(&bench, "CAN/frames")->count, before + 1u);
     close_bench(&bench);
 }
@@ -327,9 +327,9 @@ static void another_clock_has_an_order(void **state)
     for (uint64_t i = 0; i < 3; i++) {
         publish(&bench, LATE + i * MS, "LINE/request", &"\x40\x42\x02"[i], 1);
     }
-    step(&bench, MS);
+    step_simulation(&bench, MS);
     for (uint64_t at = 2; at <= 40; at++) {
-        step(&bench, at * MS);
+        step_simulation(&bench, at * MS);
     }
     assert_true(topic(&bench, "LINE/reply")->count > 0);
     close_bench(&bench);
@@ -346,16 +346,16 @@ static void states_of_the_controller_are_the_encoders(void **state)
     receive(&bench, MS / 2, 0, 0, "\x01\x00", 2);
     bench.fake->error(bench.fake->can_ctx, NULL, &event);
     bench.fake->transmit(bench.fake->can_ctx, NULL, &lost);
-    step(&bench, 2 * MS);
+    step_simulation(&bench, 2 * MS);
     bench.fake->frames = 0;
     receive(&bench, 2 * MS, 0x80, 0, "", 0);
-    step(&bench, 3 * MS);
+    step_simulation(&bench, 3 * MS);
     assert_int_equal(bench.fake->frames, 0);
     event = (struct lx_sk_error_event){.timestamp = 3 * MS, .state = LX_SK_ERROR_ACTIVE};
     bench.fake->error(bench.fake->can_ctx, NULL, &event);
     event.state = 77; /* none that is known */
     bench.fake->error(bench.fake->can_ctx, NULL, &event);
-    step(&bench, 4 * MS);
+    step_simulation(&bench, 4 * MS);
     assert_true(bench.fake->frames > 0);
     assert_int_equal(bench.fake->sent[0].id, 0xBF);
     assert_int_equal(dg_load_le16(bench.fake->sent[0].bytes), 0x8140);
@@ -374,7 +374,7 @@ static void topics_carry_what_goes_over_lines(void **state)
     publish(&bench, MS, "cell/shaft/motor/turn", turn, sizeof turn);
     publish(&bench, 1500 * MS, "LINE/request", request, sizeof request);
     for (uint64_t at = 10; at <= 1600; at += 10) {
-        step(&bench, at * MS);
+        step_simulation(&bench, at * MS);
     }
     const struct fake_topic *reply = topic(&bench, "LINE/reply");
     assert_in_range(reply->count, 1, 2);                    /* within a step, or two */
@@ -387,10 +387,10 @@ static void topics_carry_what_goes_over_lines(void **state)
     assert_memory_equal(topic(&bench, "cell/shaft/motor")->bytes, turn, sizeof turn);
     assert_int_equal(dg_load_le32(topic(&bench, "cell/shaft/axis")->bytes), 1u << 29);
     publish(&bench, 1605 * MS, "CHAIN/latch", "", 0);
-    step(&bench, 1610 * MS);
+    step_simulation(&bench, 1610 * MS);
     assert_int_equal(topic(&bench, "CHAIN/frame")->count, 162);
     assert_int_equal(dg_load_le32(topic(&bench, "CHAIN/frame")->bytes), (uint32_t)(1605 * MS));
-    step(&bench, 1620 * MS);
+    step_simulation(&bench, 1620 * MS);
     assert_int_equal(topic(&bench, "CHAIN/frame")->count, 162);
     close_bench(&bench);
 }
@@ -410,7 +410,7 @@ static void a_shaft_that_goes_on_as_said_is_not_said_again(void **state)
     open_bench(&bench, "", NULL);
     begin(&bench);
     for (size_t i = 0; i < DG_COUNT(rows); i++) {
-        step(&bench, rows[i].ms * MS);
+        step_simulation(&bench, rows[i].ms * MS);
         assert_int_equal(topic(&bench, "cell/shaft/motor")->count, rows[i].count);
         assert_int_equal(topic(&bench, "cell/shaft/axis")->count, rows[i].count);
         if (rows[i].turns) {
@@ -434,7 +434,7 @@ static void other_lengths_are_left_out(void **state)
         publish(&bench, MS, "CHAIN/latch", junk, 1);
     }
     publish(&bench, MS, "RING/out", "\x00\x00\x00\x00", 4);
-    step(&bench, 2 * MS);
+    step_simulation(&bench, 2 * MS);
     assert_int_equal(bench.fake->completed, 2);
     close_bench(&bench);
 }
@@ -448,9 +448,9 @@ static void what_comes_late_or_twice_harms_nobody(void **state)
     begin(&bench);
     bench.fake->ready(bench.fake->ctx, NULL);
     bench.fake->step(bench.fake->ctx, NULL, MS, MS);
-    step(&bench, MS);
-    step(&bench, 0);
-    step(&bench, 2 * MS);
+    step_simulation(&bench, MS);
+    step_simulation(&bench, 0);
+    step_simulation(&bench, 2 * MS);
     bench.fake->stop(bench.fake->ctx, NULL);
     bench.fake->stop(bench.fake->ctx, NULL);
     bench.fake->shutdown(bench.fake->ctx, NULL);
@@ -511,10 +511,10 @@ static void its_part_ends_behind_the_span(void **state)
     open_bench(&bench, "", NULL);
     lx_rig_end_after(bench.rig, 2 * MS);
     begin(&bench);
-    step(&bench, MS);
-    step(&bench, 2 * MS);
+    step_simulation(&bench, MS);
+    step_simulation(&bench, 2 * MS);
     assert_int_equal(bench.fake->completed, 3);
-    step(&bench, 3 * MS);
+    step_simulation(&bench, 3 * MS);
     assert_int_equal(bench.fake->completed, 3);
     assert_int_equal(sd_event_get_state(bench.event), SD_EVENT_FINISHED);
     close_bench(&bench);
@@ -564,7 +564,7 @@ static void what_it_refuses_later_is_said_once(void **state)
         open_bench(&bench, "", functions[i]);
         assert_int_equal(bench.result, LX_RIG_OK);
         begin(&bench);
-        step(&bench, MS);
+        step_simulation(&bench, MS);
         assert_int_equal(bench.fake->completed, 2);
         close_bench(&bench);
     }

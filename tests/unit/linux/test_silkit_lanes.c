@@ -190,7 +190,7 @@ static void send_frame(const struct part *self, unsigned bus, uint64_t at, uint1
     to->handler(to->ctx, NULL, &event);
 }
 
-static void turn(const struct part *self, uint64_t at)
+static void turn_shaft(const struct part *self, uint64_t at)
 {
     uint8_t bytes[16] = {0};
     dg_store_le64(bytes, at << 8u);
@@ -216,7 +216,7 @@ static void command(const struct part *self, unsigned bus)
 }
 
 /* Not all buses in each step; those of a step in the other order, as it is nobody's. */
-static void say(const struct part *self, unsigned bus, unsigned step)
+static void send_frames(const struct part *self, unsigned bus, unsigned step)
 {
     static const char save[] = "\x23\x10\x10\x01save";
     const uint64_t at = step * MS - MS / 2u * (bus % 2u);
@@ -242,13 +242,13 @@ static void live(const struct part *self, unsigned from, unsigned to)
         self->fake->step(self->fake->ctx, NULL, step * MS, MS);
         run(self);
         for (unsigned bus = to; bus-- > from;) {
-            say(self, bus, step);
+            send_frames(self, bus, step);
             if (step > STARTED && step % 40u == bus % 4u * 10u) {
                 command(self, bus);
             }
         }
         if (step > STARTED && step % 10u == 0) {
-            turn(self, step * MS - MS / 4u);
+            turn_shaft(self, step * MS - MS / 4u);
         }
     }
 }

@@ -14,7 +14,7 @@
 #define BAD_SEND "< error syntax error in send command >"
 
 /* The event of the one message in `text`. */
-static struct lx_socketcand_event say(struct lx_socketcand *self, const char *text)
+static struct lx_socketcand_event send_text(struct lx_socketcand *self, const char *text)
 {
     struct lx_socketcand_event event = {.reply = "nothing"};
     unsigned messages = 0;
@@ -50,7 +50,7 @@ static void modes(void **state)
     struct lx_socketcand self = {.mode = LX_SOCKETCAND_NO_BUS};
     (void)state;
     for (size_t i = 0; i < DG_COUNT(rows); i++) {
-        const struct lx_socketcand_event event = say(&self, rows[i].message);
+        const struct lx_socketcand_event event = send_text(&self, rows[i].message);
         assert_string_equal(event.reply, rows[i].reply);
         assert_int_equal(self.mode, rows[i].mode);
         assert_false(event.has_frame);
@@ -61,16 +61,16 @@ static void frames_that_are_sent(void **state)
 {
     struct lx_socketcand self = {.mode = LX_SOCKETCAND_RAW};
     (void)state;
-    struct lx_socketcand_event event = say(&self, "< send 1AA 8 11 22 33 44 55 66 77 88 >");
+    struct lx_socketcand_event event = send_text(&self, "< send 1AA 8 11 22 33 44 55 66 77 88 >");
     assert_true(event.has_frame && !event.frame.extended && event.reply == NULL);
     assert_int_equal(event.frame.id, 0x1AA);
     assert_int_equal(event.frame.frame.id, 0x1AA);
     assert_int_equal(event.frame.frame.dlc, 8);
     assert_memory_equal(event.frame.frame.data, "\x11\x22\x33\x44\x55\x66\x77\x88", 8);
-    event = say(&self, "< send 7 1 f >");
+    event = send_text(&self, "< send 7 1 f >");
     assert_int_equal(event.frame.id, 7);
     assert_int_equal(event.frame.frame.data[0], 0x0F);
-    event = say(&self, "< send 000001AA 0  >");
+    event = send_text(&self, "< send 000001AA 0  >");
     assert_true(event.has_frame && event.frame.extended);
     assert_int_equal(event.frame.id, 0x1AA);
 }
@@ -86,15 +86,15 @@ static void frames_that_are_none(void **state)
     char overlong[200];
     (void)state;
     for (size_t i = 0; i < DG_COUNT(messages); i++) {
-        const struct lx_socketcand_event event = say(&self, messages[i]);
+        const struct lx_socketcand_event event = send_text(&self, messages[i]);
         assert_string_equal(event.reply, BAD_SEND);
         assert_false(event.has_frame);
     }
     memset(overlong, ' ', sizeof overlong);
     memcpy(overlong, "< send 123 0", 12);
     memcpy(overlong + sizeof overlong - 2, ">", 2);
-    assert_string_equal(say(&self, overlong).reply, UNKNOWN);
-    assert_true(say(&self, "< send 123 0 >").has_frame);
+    assert_string_equal(send_text(&self, overlong).reply, UNKNOWN);
+    assert_true(send_text(&self, "< send 123 0 >").has_frame);
 }
 
 static void who_wants_what(void **state)
@@ -106,15 +106,15 @@ static void who_wants_what(void **state)
     const struct lx_can_wide remote = {.id = 0x5BF, .frame = {.rtr = true}};
     (void)state;
     assert_false(lx_socketcand_wants(&self, &frame));
-    assert_null(say(&self, "< subscribe 0 0 5BF >").reply);
+    assert_null(send_text(&self, "< subscribe 0 0 5BF >").reply);
     assert_true(lx_socketcand_wants(&self, &frame));
     assert_false(lx_socketcand_wants(&self, &other));
     assert_false(lx_socketcand_wants(&self, &extended));
-    assert_null(say(&self, "< unsubscribe 5BF >").reply);
+    assert_null(send_text(&self, "< unsubscribe 5BF >").reply);
     assert_false(lx_socketcand_wants(&self, &frame));
-    assert_string_equal(say(&self, "< subscribe 0 0 800 >").reply,
+    assert_string_equal(send_text(&self, "< subscribe 0 0 800 >").reply,
                         "< error syntax error in subscription >");
-    (void)say(&self, "< rawmode >");
+    (void)send_text(&self, "< rawmode >");
     assert_true(lx_socketcand_wants(&self, &frame) && lx_socketcand_wants(&self, &extended));
     assert_false(lx_socketcand_wants(&self, &remote));
 }

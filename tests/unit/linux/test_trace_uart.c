@@ -241,7 +241,7 @@ static void receive_all(struct bench *self, uint32_t baud, char parity)
     }
 }
 
-static void tell(struct bench *self, dg_ns at, bool ours, uint8_t byte)
+static void report_byte(struct bench *self, dg_ns at, bool ours, uint8_t byte)
 {
     const struct dg_tap_event event = {
         .at = at,
@@ -374,18 +374,18 @@ static void texts_stand_where_frames_begin(void **state)
     struct bench *bench = *state;
     begin(bench, 0);
     for (size_t i = 0; i < sizeof request; i++) {
-        tell(bench, DG_MS(10) + (i + 1) * character, false, request[i]);
+        report_byte(bench, DG_MS(10) + (i + 1) * character, false, request[i]);
     }
     tell_note(bench, DG_MS(15), "a note");
     for (size_t i = 0; i < sizeof reply; i++) {
-        tell(bench, DG_MS(20) + (i + 1) * character, true, reply[i]);
+        report_byte(bench, DG_MS(20) + (i + 1) * character, true, reply[i]);
         if (i == 3) {
             tell_note(bench, DG_MS(24), "in it");
         }
     }
     /* The first character has begun when this happens, and is told afterwards. */
     tell_note(bench, DG_MS(40) + character / 2, "during the first character");
-    tell(bench, DG_MS(40) + character, false, 0x40);
+    report_byte(bench, DG_MS(40) + character, false, 0x40);
     finish(bench);
     const struct dump *dump = &bench->dump;
     assert_int_equal(dump->text_count, 10);
@@ -410,9 +410,9 @@ static void a_bunch_is_spread(void **state)
     struct bench *bench = *state;
     begin(bench, 0);
     for (uint8_t i = 0; i < 3; i++) {
-        tell(bench, DG_MS(10), false, i);
+        report_byte(bench, DG_MS(10), false, i);
     }
-    tell(bench, DG_MS(17), true, 3);
+    report_byte(bench, DG_MS(17), true, 3);
     finish(bench);
     receive_all(bench, 9600, 'E');
     assert_int_equal(bench->count, 4);
@@ -429,7 +429,7 @@ static void a_bunch_without_the_time_for_it_comes_late(void **state)
     struct bench *bench = *state;
     begin(bench, DG_MS(10));
     for (uint8_t i = 0; i < 3; i++) {
-        tell(bench, DG_MS(11), false, i);
+        report_byte(bench, DG_MS(11), false, i);
     }
     finish(bench);
     receive_all(bench, 9600, 'E');
@@ -446,9 +446,9 @@ static void a_flood_is_not_drawn_whole(void **state)
     struct bench *bench = *state;
     begin(bench, 0);
     for (unsigned i = 0; i < 5000; i++) {
-        tell(bench, DG_MS(10), false, 0x55);
+        report_byte(bench, DG_MS(10), false, 0x55);
     }
-    tell(bench, DG_S(5), true, 0xAA);
+    report_byte(bench, DG_S(5), true, 0xAA);
     finish(bench);
     assert_true(bench->dump.end < DG_S(5) + DG_MS(1));
     receive_all(bench, 9600, 'E');
@@ -463,7 +463,7 @@ static void a_frame_is_drawn_before_what_comes_after_it(void **state)
 {
     struct bench *bench = *state;
     begin(bench, 0);
-    tell(bench, DG_MS(10), false, 0x40);
+    report_byte(bench, DG_MS(10), false, 0x40);
     for (unsigned i = 0; i < 40; i++) {
         tell_note(bench, DG_MS(100) + i, "note");
     }
@@ -504,7 +504,7 @@ static void samples_beyond_those_that_may_wait_are_left_out(void **state)
     bench->tap.encoders = names;
     bench->tap.encoder_count = 2;
     begin(bench, 0);
-    tell(bench, DG_MS(10), false, 0x40);
+    report_byte(bench, DG_MS(10), false, 0x40);
     for (unsigned i = 0; i < waiting + 1u; i++) {
         tell_sample(bench, DG_MS(10) + 100u * i, &uv);
     }
@@ -518,7 +518,7 @@ static void characters_without_words_are_drawn_at_once(void **state)
     struct bench *bench = *state;
     begin_with(bench, 0, NULL);
     for (unsigned i = 0; i < 2u * 140u; i++) {
-        tell(bench, DG_MS(10) + i * bit_times(11, 9600), false, (uint8_t)i);
+        report_byte(bench, DG_MS(10) + i * bit_times(11, 9600), false, (uint8_t)i);
     }
     finish(bench);
     receive_all(bench, 9600, 'E');
