@@ -65,7 +65,7 @@ static struct top_shaft *shaft_of(struct top *self)
 }
 
 /* From where it is seen to be, or was sent by the key before. It rests there. */
-static void turn(struct top *self, int deg)
+static void turn_shaft(struct top *self, int deg)
 {
     struct top_shaft *shaft = shaft_of(self);
     char command[COMMAND_SIZE];
@@ -176,10 +176,10 @@ static const struct key {
     {go,       KEY_DOWN,  1},         {go,          'j',       1},
     {page,     KEY_PPAGE, -1},        {page,        KEY_NPAGE, 1},
     {go,       KEY_HOME,  -ALL},      {go,          KEY_END,   ALL},
-    {turn,     KEY_LEFT,  -STEP_DEG}, {turn,        'h',       -STEP_DEG},
-    {turn,     KEY_RIGHT, STEP_DEG},  {turn,        'l',       STEP_DEG},
-    {turn,     KEY_SLEFT, -FAST_DEG}, {turn,        'H',       -FAST_DEG},
-    {turn,     KEY_SRIGHT, FAST_DEG}, {turn,        'L',       FAST_DEG},
+    {turn_shaft,     KEY_LEFT,  -STEP_DEG}, {turn_shaft,        'h',       -STEP_DEG},
+    {turn_shaft,     KEY_RIGHT, STEP_DEG},  {turn_shaft,        'l',       STEP_DEG},
+    {turn_shaft,     KEY_SLEFT, -FAST_DEG}, {turn_shaft,        'H',       -FAST_DEG},
+    {turn_shaft,     KEY_SRIGHT, FAST_DEG}, {turn_shaft,        'L',       FAST_DEG},
     {speed_up, '+',       STEP_RPM},  {speed_up,    '-',       -STEP_RPM},
     {halt,     ' ',       0},         {power,       'p',       0},
     {heal,     'c',       0},         {show_faults, 'f',       0},
