@@ -32,14 +32,14 @@ struct virtual_rig {
     void *ctx;
 };
 
-/** A rig file with one wire, from now on; `listener`, which may be NULL, is told of the wire.
- * `self` is all zero but for heard and ctx. */
+/** A rig file, from now on; `listener`, which may be NULL, is told of its first wire. `self` is all
+ * zero but for heard and ctx. */
 void virtual_rig_open(struct virtual_rig *self, const char *file, struct lx_tap_listener *listener);
 
 /** Everything off and free. */
 void virtual_rig_close(struct virtual_rig *self);
 
-/** The kind of its wire, "rs485" for one. */
+/** The kind of its first wire, "rs485" for one. */
 const char *virtual_rig_wire(const struct virtual_rig *self);
 
 /** Its encoders. @return the one with this index; NULL: there is none */
