@@ -28,6 +28,7 @@ static int32_t may(const char *function)
 MAKES(ParticipantConfiguration_FromString, lx_sk_config, const char *text)
 {
     (void)snprintf(fake_silkit.config, sizeof fake_silkit.config, "%s", text);
+    fake_silkit.configs += may("config") == 0 ? 1u : 0u;
     *out = (void *)&fake_silkit;
     return may("config");
 }
@@ -35,6 +36,7 @@ MAKES(ParticipantConfiguration_FromString, lx_sk_config, const char *text)
 DOES(ParticipantConfiguration_Destroy, struct lx_sk_config *self)
 {
     (void)self;
+    fake_silkit.configs--;
     return 0;
 }
 
@@ -42,8 +44,8 @@ MAKES(Participant_Create, lx_sk_participant, struct lx_sk_config *config, const 
       const char *registry)
 {
     (void)config;
-    (void)name;
-    (void)registry;
+    (void)snprintf(fake_silkit.participant, sizeof fake_silkit.participant, "%s", name);
+    (void)snprintf(fake_silkit.registry, sizeof fake_silkit.registry, "%s", registry);
     *out = (void *)&fake_silkit;
     return may("join");
 }
@@ -59,7 +61,7 @@ MAKES(LifecycleService_Create, lx_sk_lifecycle, struct lx_sk_participant *partic
       const struct lx_sk_lifecycle_setup *setup)
 {
     (void)participant;
-    (void)setup;
+    fake_silkit.mode = setup->mode;
     *out = (void *)&fake_silkit;
     return may("lifecycle");
 }
@@ -135,7 +137,7 @@ DOES(TimeSyncService_SetSimulationStepHandlerAsync, struct lx_sk_time *self, voi
 {
     (void)self;
     (void)ctx;
-    (void)step;
+    fake_silkit.duration = step;
     fake_silkit.step = handler;
     return 0;
 }
@@ -168,7 +170,7 @@ MAKES(CanController_Create, lx_sk_can, struct lx_sk_participant *participant, co
 {
     (void)participant;
     (void)name;
-    (void)network;
+    (void)snprintf(fake_silkit.network, sizeof fake_silkit.network, "%s", network);
     *out = (void *)&fake_silkit;
     return may("can");
 }
@@ -208,7 +210,7 @@ DOES(CanController_AddErrorStateChangeHandler, struct lx_sk_can *self, void *ctx
 DOES(CanController_SetBaudRate, struct lx_sk_can *self, uint32_t rate, uint32_t fd, uint32_t xl)
 {
     (void)self;
-    (void)rate;
+    fake_silkit.baud = rate;
     (void)fd;
     (void)xl;
     return may("baud");
@@ -227,6 +229,9 @@ DOES(CanController_SendFrame, struct lx_sk_can *self, struct lx_sk_frame *frame,
     (void)user;
     if (fake_silkit.frames < FAKE_FRAMES) {
         fake_silkit.sent[fake_silkit.frames].id = frame->id;
+        fake_silkit.sent[fake_silkit.frames].flags = frame->flags;
+        fake_silkit.sent[fake_silkit.frames].dlc = frame->dlc;
+        fake_silkit.sent[fake_silkit.frames].size = frame->data.size;
         memcpy(fake_silkit.sent[fake_silkit.frames++].bytes, frame->data.data, frame->data.size);
     }
     return may("send");
@@ -245,6 +250,7 @@ static struct fake_topic *topic_of(const struct lx_sk_spec *spec)
 {
     struct fake_topic *topic = &fake_silkit.topic[fake_silkit.topics++];
     topic->topic = spec->topic;
+    (void)snprintf(topic->media_type, sizeof topic->media_type, "%s", spec->media_type);
     return topic;
 }
 
@@ -288,5 +294,5 @@ int32_t SilKit_DataSubscriber_Create(struct lx_sk_subscriber **out,
 __attribute__((visibility("default"))) const char *SilKit_GetLastErrorString(void);
 const char *SilKit_GetLastErrorString(void)
 {
-    return "no luck";
+    return fake_silkit.why == NULL ? "no luck" : fake_silkit.why;
 }

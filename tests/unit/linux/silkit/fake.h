@@ -11,6 +11,7 @@
 
 struct fake_topic {
     const char *topic;
+    char media_type[64];
     void *ctx;
     lx_sk_on_data *handler; /* NULL: it is published */
     uint8_t bytes[256];     /* published last */
@@ -22,8 +23,14 @@ struct fake_topic {
 struct fake_silkit {
     const char *refuses; /* this function says no; NULL: none does */
     const char *hangs;   /* this one never comes back; likewise */
+    const char *why;     /* it says no; NULL: it had no luck */
     char config[512];    /* of the participant */
-    void *ctx;           /* of what follows */
+    unsigned configs;    /* that were not given back */
+    char participant[64], registry[64], network[64];
+    int mode;          /* of the lifecycle */
+    uint64_t duration; /* of a step */
+    uint32_t baud;
+    void *ctx; /* of what follows */
     lx_sk_on_lifecycle *ready, *stop, *shutdown;
     lx_sk_on_abort *abort;
     lx_sk_on_step *step;
@@ -36,6 +43,9 @@ struct fake_silkit {
     unsigned topics;
     struct {
         uint32_t id;
+        uint32_t flags;
+        uint16_t dlc;
+        size_t size;
         uint8_t bytes[8];
     } sent[FAKE_FRAMES];
     unsigned frames;
