@@ -41,12 +41,13 @@ int eeprom_place_tear_down(void **state)
 int eeprom_open(struct eeprom *self, const char *path, const struct eeprom_place *place,
                 struct lx_error *error)
 {
+    static const struct lx_say loud = {.quiet = false};
     const struct lx_image_setup setup = {
         .path = path,
         .answer = "the encoder answers 05h",
         .parts = &self->part,
         .count = 1,
-        .say = &eeprom_quiet,
+        .say = place->loud ? &loud : &eeprom_quiet,
     };
     self->part = (struct lx_image_part){
         .stack = &dg_hf_stack,

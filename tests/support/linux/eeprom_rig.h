@@ -17,6 +17,7 @@ struct eeprom_place {
     struct dg_hf_model model;
     uint32_t serial; /* counts when it is given */
     bool serial_given;
+    bool loud; /* what there is to note of it is said */
 };
 
 /* For cmocka: *state is a place, with the figures of an s3684-rs485. The end fails when a test
