@@ -277,6 +277,32 @@ static void angles_that_cannot_be_read_back_end_it(void **state)
     lx_shaft_free(&recording);
 }
 
+/* A clock so fast that ten million lines are due at once: nobody wants them. One less would be. */
+static void more_lines_than_anybody_wants_end_it(void **state)
+{
+    struct place *place = *state;
+    struct lx_error error = {.right = ""};
+    struct stderr_heard heard;
+    char said[256];
+    char wanted[256];
+    struct lx_record *record = opened(place, DG_US(100));
+    stderr_hear(&heard);
+    lx_record_write(record, START + 10000002 * DG_US(100));
+    lx_record_write(record, START + 10000003 * DG_US(100));
+    stderr_heard(&heard, said, sizeof said);
+    (void)snprintf(
+        wanted, sizeof wanted,
+        "drehgeber: %s: the recording ends at 0.000100000 s: too many lines at once; use a "
+        "longer interval or a slower clock\n",
+        place->path);
+    assert_string_equal(said, wanted);
+    assert_int_equal(lx_record_close(record, START + DG_S(1001), &error), -1);
+    assert_memory_equal(error.what, wanted + strlen("drehgeber: "), strlen(error.what));
+    struct lx_shaft recording = read_back(place);
+    assert_int_equal(recording.motion.point_count, 1);
+    lx_shaft_free(&recording);
+}
+
 static void what_cannot_be_recorded(void **state)
 {
     struct place *place = *state;
@@ -306,6 +332,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(a_full_disk_is_said_once, set_up, tear_down),
         cmocka_unit_test_setup_teardown(a_full_disk_is_found_at_the_end, set_up, tear_down),
         cmocka_unit_test_setup_teardown(angles_that_cannot_be_read_back_end_it, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(more_lines_than_anybody_wants_end_it, set_up, tear_down),
         cmocka_unit_test_setup_teardown(what_cannot_be_recorded, set_up, tear_down),
         cmocka_unit_test(no_descriptor_is_left),
     };
