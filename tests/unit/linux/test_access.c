@@ -316,8 +316,11 @@ static void test_guard_and_zeros(void **state)
 static void a_port_that_is_refused_says_what_is_right(void **state)
 {
     (void)state;
-    assert_non_null(strstr(lx_port_right(EACCES), "a port from 1024 on"));
-    assert_non_null(strstr(lx_port_right(EMFILE), "ulimit"));
+    assert_string_equal(lx_port_right(EACCES),
+                        "expected a port from 1024 on, or the privilege CAP_NET_BIND_SERVICE");
+    assert_string_equal(lx_port_right(EMFILE), "raise the limit of open files: ulimit -Hn, or "
+                                               "LimitNOFILE= of a service");
+    assert_string_equal(lx_port_right(ENFILE), "raise fs.file-max");
     assert_null(lx_port_right(EADDRINUSE));
 }
 
