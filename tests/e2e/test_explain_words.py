@@ -173,6 +173,10 @@ VCDS = {
     "nanoseconds": HEAD + FRAME,
     "no blank": HEAD.replace("1 ns", "1ns") + FRAME,
     "picoseconds": HEAD.replace("1 ns", "1 ps") + clock_frame(1000000),
+    "ten picoseconds": HEAD.replace("1 ns", "10 ps") + clock_frame(100000),
+    "a hundred picoseconds": HEAD.replace("1 ns", "100ps") + clock_frame(10000),
+    "ten nanoseconds": HEAD.replace("1 ns", "10ns") + clock_frame(100),
+    "a hundred nanoseconds": HEAD.replace("1 ns", "100\nns") + clock_frame(10),
     "other names": HEAD.replace(" MA ", " clk ").replace("SLO", "sl") + FRAME,
     "a range": HEAD.replace("SLO $end", "SLO [0] $end") + FRAME,
     "other signals": HEAD.replace("$enddef", "$var real 64 r SPEED $end\n$enddef") + "r1.5 r\nsidle r\n" + FRAME,
@@ -189,6 +193,18 @@ def test_vcd_files_in_other_ways(tmp_path, content):
     """The same frame, whatever the writer."""
     ended = explain(tmp_path, content)
     assert (ended.returncode, ended.stdout) == (0, "0.000000 > frame of 8 bits: F0\n"), ended.stderr
+
+
+LARGEST = {"1 s": 10**10, "10 s": 10**9, "100 s": 10**8, "1 ms": 10**13, "10 ms": 10**12, "100 ms": 10**11,
+           "1 us": 10**16, "10 us": 10**15, "100 us": 10**14, "100 ns": 10**17}
+
+
+@pytest.mark.parametrize("scale, largest", LARGEST.items(), ids=LARGEST)
+def test_times_up_to_ten_thousand_million_seconds(tmp_path, scale, largest):
+    head = VCD.replace("1 us", scale)
+    ended = explain(tmp_path, f"{head}#{largest}\n")
+    assert (ended.returncode, ended.stdout) == (0, ""), ended.stderr
+    check_refusal(tmp_path, f"{head}#{largest + 1}\n", f"{len(head)}: no time")
 
 
 # --- pcap
