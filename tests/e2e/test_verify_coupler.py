@@ -266,10 +266,13 @@ def test_garbage_is_no_coupler(noise):
 
 
 def test_what_is_refused(folders):
-    other = folders("other", "ocd-ib-k2")
-    assert "ID word is 0236, not 0237" in run_refused(1, "verify", K3, f"--modbus={other.where}")
-    turning = folders("turning", shaft="100RPM")
-    assert "the shaft turns" in run_refused(1, "verify", K3, f"--modbus={turning.where}")
-    assert "HOST:PORT" in run_refused(1, "verify", K3, "--modbus=here")
+    """A whole line each, with what is expected."""
+    other, turning = folders("other", "ocd-ib-k2"), folders("turning", shaft="100RPM")
     ring = folders("ring", K3, "--ring", f"{K3},ocd-ib-k1")
-    assert "another device is in the ring" in run_refused(1, "verify", K3, f"--modbus={ring.where}", "--alone")
+    for where, options, line in (
+            (other.where, [], f"{other.where}: its ID word is 0236, not 0237; expected an encoder in operation, first in the "
+                              "ring of a coupler with the registers of 'drehgeber map'"),
+            (turning.where, [], f"{turning.where}: the shaft turns; expected a shaft at rest"),
+            ("here", [], "here is no address of a coupler; expected HOST:PORT"),
+            (ring.where, ["--alone"], "another device is in the ring: it has 3 words; without --alone, verify disturbs no other device")):
+        assert run_refused(1, "verify", K3, f"--modbus={where}", *options) == f"drehgeber: {line}"

@@ -2,6 +2,7 @@
 """verify: wires that fail, adapters and nodes that misbehave, files that cannot be written, clauses that cannot be
 read. The encoder is a few lines of Python behind a network, which does what no encoder of ours would."""
 import contextlib
+import json
 import re
 import select
 import socket
@@ -93,15 +94,16 @@ def test_another_node():
 
 # --- nodes
 
+SILENT = "node 63 does not answer; expected its node-ID with --node, and a bus at 250 kBd"
 NODES = {
-    "gone": (lambda *_: None, "node 63 does not answer"),
-    "gone later": (lambda number, _, line: line if number < 10 else None, "node 63 does not answer"),
-    "aborting": (lambda _, __, line: line.replace(b"t5BF843", b"t5BF880"), "node 63 does not answer"),
-    "of another object": (lambda _, __, line: line[:9] + b"FF" + line[11:], "node 63 does not answer"),
-    "short": (lambda _, __, line: line[:4] + b"4" + line[5:13] + b"\r", "node 63 does not answer"),
+    "gone": (lambda *_: None, SILENT),
+    "gone later": (lambda number, _, line: line if number < 10 else None, SILENT),
+    "aborting": (lambda _, __, line: line.replace(b"t5BF843", b"t5BF880"), SILENT),
+    "of another object": (lambda _, __, line: line[:9] + b"FF" + line[11:], SILENT),
+    "short": (lambda _, __, line: line[:4] + b"4" + line[5:13] + b"\r", SILENT),
     "turning": (lambda number, index, line: line if index != 0x6004 else line[:13] + b"%08X\r" % (number << 16),
-                "the shaft turns"),
-    "babbling": (lambda *_: b"t1010\r" * 5000, "node 63 does not answer"),
+                "the shaft turns; expected a shaft at rest"),
+    "babbling": (lambda *_: b"t1010\r" * 5000, SILENT),
 }
 
 
@@ -111,7 +113,7 @@ def test_nodes_that_are_refused(change, refusal):
         ended = verify(node)
     assert (ended.returncode, ended.stdout) == (1, "")
     (line,) = ended.stderr.splitlines()
-    assert line.startswith(f"drehgeber: {node.option.partition('=')[2]}: {refusal}; "), line
+    assert line == f"drehgeber: {node.option.partition('=')[2]}: {refusal}"
 
 
 LOST = {
@@ -151,7 +153,8 @@ def test_who_is_not_alone_is_told(tmp_path):
     with Two() as node:
         ended = verify(node, CLAUSE, "--alone")
     assert (ended.returncode, ended.stdout) == (1, "")
-    assert ended.stderr.startswith("drehgeber: another device is on the bus: 585h was received; ")
+    assert ended.stderr == ("drehgeber: somebody else is on the bus: 585h was heard; without --alone nobody else is "
+                            "disturbed\n")
 
 
 def test_who_is_alone_is_left_as_it_was():
@@ -326,3 +329,53 @@ def test_clauses_of_ones_own(tmp_path, monkeypatch):
         assert ended.stdout.count(f"\n{line}\n") == 2, ended.stdout
     assert ended.stdout.splitlines()[-1] == "2 clauses agree, 0 differ, 6 were not seen"
     assert len(ElementTree.parse(tmp_path / "junit.xml").getroot().findall("testcase/skipped")) == 6
+
+
+def in_xml(text: str) -> str:
+    return re.sub('[<>&"]', lambda found: f"&#{ord(found[0])};", text)
+
+
+def test_every_form_says_the_same_of_a_clause(tmp_path, monkeypatch):
+    """Clauses that agree, that are a choice, that differ, that no row can prove; one of them with a strange name."""
+    (tmp_path / "canopen.clauses").write_text('M1 | a clause\nC1 | a choice\nM2<&>" | another\nM3 | no row | listed 28\n')
+    (tmp_path / "canopen.rows").write_text("[M1 C1] a row\n  given f3668\n  read 1000:0 96 01 02 00\n"
+                                           '[M2<&>"] the vendor\n  given f3668\n  read 1018:1 13 00 00 00\n')
+    (tmp_path / "cia406.clauses").write_text("X1 | of the profile\n")
+    (tmp_path / "cia406.rows").write_text("[X1] a row\n  given f3668\n  read 1000:0 96 01 02 00\n")
+    monkeypatch.setenv("DREHGEBER_CLAUSES", str(tmp_path))
+    with Node() as node:
+        lines = verify(node, "--junit", tmp_path / "junit.xml", "--report", tmp_path / "report.txt")
+    with Node() as node:
+        as_json = verify(node, "--json")
+    assert lines.returncode == as_json.returncode == 1
+    (why,) = re.findall(r'^differs  M2<&>": (.*)$', lines.stdout, re.M)
+    assert why == "canopen:6: sent 63F 40 18 10 01 00 00 00 00; expected 5BF 43 18 10 01 13 00 00 00; came 5BF 43 18 10 01 00 00 00 00"
+    identity = "device type 00020196h, product 00000000h, revision 0, firmware 0"
+    two_things = "the manual says two things; see 'Inaccuracies and choices'"
+    total = "3 clauses agree, 1 differ, 1 were not seen\n"
+    assert lines.stdout == (f'f3668: {identity}\nagrees   M1\nagrees   C1\ndiffers  M2<&>": {why}\nnot seen M3: {two_things}\n'
+                            f"agrees   X1\n{total}")
+    assert (tmp_path / "junit.xml").read_text("utf-8") == (
+        '<?xml version="1.0" encoding="UTF-8"?>\n<testsuite name="f3668" tests="5" failures="1" skipped="1">\n'
+        '  <testcase classname="canopen" name="M1"/>\n  <testcase classname="canopen" name="C1"/>\n'
+        f"""  <testcase classname="canopen" name="{in_xml('M2<&>"')}"><failure message="{why}"/></testcase>\n"""
+        f'  <testcase classname="canopen" name="M3"><skipped message="{two_things}"/></testcase>\n'
+        '  <testcase classname="cia406" name="X1"/>\n</testsuite>\n')
+    version = run("--version").stdout.split()[1]
+    assert (tmp_path / "report.txt").read_text("utf-8") == (
+        f"Model: f3668\nThe encoder says: {identity}\ndrehgeber: {version}\n\n{total}\nDifferences\n\n"
+        f'- canopen M2<&>": differs: {why}\n\nChoices that this encoder settles\n\n- canopen C1: agrees\n')
+    assert json.loads(as_json.stdout) == [
+        {"suite": suite, "clause": clause, "result": result, "why": text} for suite, clause, result, text in (
+            ("canopen", "M1", "agrees", ""), ("canopen", "C1", "agrees", ""), ("canopen", 'M2<&>"', "differs", why),
+            ("canopen", "M3", "not seen", two_things), ("cia406", "X1", "agrees", ""))]
+
+
+def test_a_report_of_nothing(tmp_path, monkeypatch):
+    write_clauses(tmp_path, "M1 | a clause\n", ROWS)
+    monkeypatch.setenv("DREHGEBER_CLAUSES", str(tmp_path))
+    with Node() as node:
+        ended = verify(node, "--report", tmp_path / "report.txt")
+    assert ended.returncode == 0
+    assert (tmp_path / "report.txt").read_text("utf-8").endswith(
+        "\nDifferences\n\n- none\n\nChoices that this encoder settles\n\n- none\n")
