@@ -212,6 +212,53 @@ fmu two.ini -o two.ini
 fmu two.ini -o two
 fmu two.ini -o nowhere/x.fmu
 fmu two.ini -o x.fmu --node 1
+verify
+verify s3684-rs485
+verify s3684-biss --gpio x:1,2
+verify s3684-rs485 --can can0
+verify s3684-rs485 --tty nowhere
+verify s3684-rs485 --tty /dev/null 9.9
+verify s3684-rs485 --tty /dev/null 5.1.2.1 M12
+verify s3684-rs485 --tty /dev/null --journal x
+verify s3684-rs485 --tty /dev/null --irreversible
+verify s3684-rs485 --tty /dev/null --restore --journal x
+verify s3684-rs485 --tty /dev/null --address 0x90
+verify f3668 --slcan=nowhere --node 0
+verify f3668 --slcan=nowhere M12-7
+verify f3668 --pty x
+verify ocd-ib-k3 --modbus nowhere
+verify ocd-ib-k3 --modbus 127.0.0.1:1
+verify ocd-ib-k3 --can can0
+verify f36
+explain
+explain none.log
+explain two.ini
+explain two.ini --against f3
+explain two.ini --against f3668 --node 5
+explain two.ini two.ini
+model
+model f3668
+model f36 --c
+model two.ini --c
+model --c
+check
+check two.ini
+check none.ini
+check two.ini two.ini
+check f3668
+eds none.eds
+eds two.ini
+eds f3668 --explain
+eds f3668 --node 200
+biss s3684-biss read --model two.ini
+biss --model two.ini read
+run --model none.ini --pty
+run s3684-rs485 --nvm-convert x
+run f3668 --slcan --nvm-convert none.nvm
+run f3668 --slcan --nvm x --nvm-convert none.nvm
+run ssi-25 --sim --nvm x
+run f3668 --sim
+web --listen 127.0.0.1
 --version
 -V
 --
