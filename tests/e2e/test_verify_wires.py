@@ -153,8 +153,8 @@ def test_who_is_not_alone_is_told(tmp_path):
     with Two() as node:
         ended = verify(node, CLAUSE, "--alone")
     assert (ended.returncode, ended.stdout) == (1, "")
-    assert ended.stderr == ("drehgeber: somebody else is on the bus: 585h was heard; without --alone nobody else is "
-                            "disturbed\n")
+    assert ended.stderr == ("drehgeber: another device is on the bus: 585h was received; without --alone, verify disturbs "
+                            "no other device\n")
 
 
 def test_who_is_alone_is_left_as_it_was():
