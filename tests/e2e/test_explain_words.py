@@ -24,12 +24,13 @@ def told(ended) -> list:
     return [line.split(" ", 1)[1].split("  [")[0] for line in ended.stdout.splitlines()]
 
 
-def check_refusal(folder, content, refusal):
-    """One line, with the place in the file, and what is said before what was expected."""
+def check_refusal(folder, content, refusal, right=""):
+    """One line, with the place in the file; what was expected behind it, if the test says what."""
     ended = explain(folder, content)
     assert ended.returncode == 1, ended.stdout
     (line,) = ended.stderr.splitlines()
-    assert line.startswith(f"drehgeber: {folder}/recording:{refusal}; "), line
+    told, _, expected = line.partition("; ")
+    assert told == f"drehgeber: {folder}/recording:{refusal}" and right in ("", expected), line
 
 
 # --- candump
@@ -123,9 +124,44 @@ REFUSED |= {
 }
 
 
-@pytest.mark.parametrize("content, refusal", REFUSED.values(), ids=REFUSED)
-def test_what_is_refused(tmp_path, content, refusal):
-    check_refusal(tmp_path, content, refusal)
+# What is expected in place of each.
+EXPECTED = {
+    "R and a length of 0 to 8": ["a long remote frame", "a letter behind R"],
+    "bytes of two hexadecimal digits": ["half a byte", "no hexadecimal digit", "a byte of a terminal"],
+    "8 bytes at most": ["a byte too many"],
+    "a time such as (1436509052.249713)":
+        ["a time without an end", "a time of another age", "digits that fit no number"],
+    "a wire": ["a time alone"],
+    "a CAN-ID of 3 or 8 hexadecimal digits": ["a wire alone", "an ID of many digits", "no ID on a terminal"],
+    "a length such as [8]":
+        ["no length", "a length of 9", "a length without an end", "a length that is none", "a length too long"],
+    "as many bytes as the length says": ["no bytes"],
+    "the end of the line": ["more than the length says"],
+    "a CAN-ID of 000 to 7FF": ["a CAN-ID too large"],
+    "100 to 10000000": ["a rate too high"],
+    "8E1, 8O1 or 8N1": ["nine bits", "a strange parity", "two stop bits"],
+    "seconds such as 0.012345, or a line such as 9600 8E1": ["no seconds", "no time in the second line"],
+    "< to the encoder, > from it": ["a long direction", "a time alone in a log"],
+    "two hexadecimal digits such as 0A": ["a byte of one digit", "a byte of three digits", "a byte with other letters"],
+    "a candump log, pcapng, pcap, VCD, a session of sigrok or a serial log": ["an empty file", "blanks alone"],
+    "$enddefinitions": ["no header"],
+    "$end": ["an end in the header", "a scale without an end", "a comment without an end"],
+    "1, 10 or 100 s, ms, us, ns or ps": ["a scale of zero", "a scale of weeks", "a scale too large"],
+    "signals request and reply, MA and SLO, or CLOCK and DATA":
+        ["a wire of two bits", "a long ID", "one signal", "two wires"],
+    "$var TYPE WIDTH ID NAME $end": ["a variable without an end"],
+    "# and a number that fits the timescale":
+        ["a time that is none", "a time without digits", "a time that does not fit"],
+    "#TIME, 0ID, 1ID, bBITS ID, rNUMBER ID or sTEXT ID": ["a change without an ID"],
+    "the ID of a signal": ["a vector without an ID"],
+}
+RIGHT = {name: right for right, names in EXPECTED.items() for name in names}
+
+
+@pytest.mark.parametrize("name", REFUSED)
+def test_what_is_refused(tmp_path, name):
+    content, refusal = REFUSED[name]
+    check_refusal(tmp_path, content, refusal, f"expected {RIGHT[name]}")
 
 
 # --- serial logs
@@ -204,7 +240,8 @@ def test_times_up_to_ten_thousand_million_seconds(tmp_path, scale, largest):
     head = VCD.replace("1 us", scale)
     ended = explain(tmp_path, f"{head}#{largest}\n")
     assert (ended.returncode, ended.stdout) == (0, ""), ended.stderr
-    check_refusal(tmp_path, f"{head}#{largest + 1}\n", f"{len(head)}: no time")
+    check_refusal(tmp_path, f"{head}#{largest + 1}\n", f"{len(head)}: no time",
+                  f"expected {RIGHT['a time that does not fit']}")
 
 
 # --- pcap
