@@ -205,6 +205,39 @@ static void each_encoder_follows_courses_of_its_own(void **state)
     close_rig(rig);
 }
 
+/* --- counters --- */
+
+/* What STATe? says of a wire after a second in which nobody has come to it. The coupler runs a cycle
+   a millisecond, of which the first one identifies; the master of a simulated wire reads every 100
+   ms, from the end of the initialisation on. */
+static void each_kind_of_wire_counts_its_own(void **state)
+{
+    static const struct {
+        const char *rig;
+        const char *counters;
+    } rows[] = {
+        {"[encoder e]\nmodel = s3684-rs485\nwire = rs485:tcp:127.0.0.1:0\n",
+         ",wire_up=1,wire_late=0,wire_collided=0,wire_lost=0,wire_baud=9600,wire_overrun=0,"},
+        {CAN,
+         ",wire_up=1,wire_late=0,wire_stalls=0,wire_lost=0,wire_kbaud=250,wire_load_permille=0,"},
+        {"[encoder e]\nmodel = ocd-ib-k3\nwire = modbus:127.0.0.1:0\n",
+         ",wire_up=1,wire_late=0,wire_cycles=1001,wire_ids=1,wire_crc_errors=0,wire_interrupted=0,"
+         "wire_requests=0,"},
+        {"[encoder e]\nmodel = s3684-biss\nwire = sim\n",
+         ",wire_up=1,wire_late=0,wire_frames=10,wire_silent=0,wire_wrong=0,"},
+    };
+    (void)state;
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
+        struct virtual_rig *rig = open_rig(rows[i].rig);
+        virtual_rig_pass(rig, DG_S(1));
+        virtual_rig_ask(rig, "STAT?");
+        if (strstr(rig->answer, rows[i].counters) == NULL) {
+            fail_msg("%s: no %s", rig->answer, rows[i].counters);
+        }
+        close_rig(rig);
+    }
+}
+
 /* --- traces --- */
 
 static void each_wire_has_a_trace_of_its_own(void **state)
@@ -237,6 +270,7 @@ int main(void)
         cmocka_unit_test(each_shaft_has_a_recording_of_its_own),
         cmocka_unit_test(each_shaft_plays_motions_of_its_own),
         cmocka_unit_test(each_encoder_follows_courses_of_its_own),
+        cmocka_unit_test(each_kind_of_wire_counts_its_own),
         cmocka_unit_test(each_wire_has_a_trace_of_its_own),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);
