@@ -149,7 +149,7 @@ JUDGES = {
 
 # The command finds these beside itself.
 BESIDE = {"drehgeber": ("drehgeber-web", "fmu-parts/fmi2.so", "fmu-parts/fmi3.so", "fmu-parts/sources",
-                        "fmu-parts/sources.list", "fmu-parts/terms.txt")}
+                        "fmu-parts/sources.list", "fmu-parts/terms.txt", "share")}
 
 
 def room_of(path):
