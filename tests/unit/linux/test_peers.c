@@ -1,13 +1,15 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Clients of wires on TCP ports that go, or have to go, in virtual time: for how long each of them
- * still has its connection. The rig's end of it is in this process, too, and is counted.
+ * still has its connection. The rig's end of it is in this process, too, and is counted. And what is
+ * said of wires that others than this machine reach.
  */
 #define _GNU_SOURCE
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/socket.h>
@@ -16,6 +18,7 @@
 
 #include "descriptors.h"
 #include "memory_file.h"
+#include "stderr_heard.h"
 #include "timer.h"
 #include "virtual_rig.h"
 
@@ -127,6 +130,71 @@ static void who_says_no_more_hears_for_two_seconds(void **state)
     close_wire(self);
 }
 
+/* --- who may come --- */
+
+/* What is said while the rig is opened, without the numbers of ports. */
+static void open_aloud(const char *rig, char *said, size_t size)
+{
+    static const struct lx_say loud = {.quiet = false};
+    static const char any[] = "0.0.0.0:";
+    struct lx_error error = {.right = ""};
+    struct stderr_heard heard;
+    struct dg_plan plan = {.file = NULL};
+    struct lx_rig *opened = NULL;
+    sd_event *event = NULL;
+    const char *file = memory_file_write((const uint8_t *)rig, strlen(rig));
+    assert_int_equal(lx_plan_read(&plan, file, &error), 0);
+    assert_true(sd_event_new(&event) >= 0);
+    const struct lx_rig_setup setup = {.event = event, .say = &loud, .plan = &plan};
+    stderr_hear(&heard);
+    const int result = lx_rig_open(&opened, &setup, lx_now(), &error);
+    stderr_heard(&heard, said, size);
+    assert_int_equal(result, LX_RIG_OK);
+    assert_int_equal(lx_rig_close(opened, &error), 0);
+    lx_plan_free(&plan);
+    (void)sd_event_unref(event);
+    char *port = strstr(said, any);
+    if (port != NULL) {
+        port += strlen(any);
+        const size_t digits = strspn(port, "0123456789");
+        memmove(port, port + digits, strlen(port + digits) + 1u);
+    }
+}
+
+/* A rig runs without a control plane that nobody has asked for, and says so. */
+static void wires_beyond_loopback_are_told(void **state)
+{
+    static const char alone[] =
+        "drehgeber: no control plane: /dev/null/drehgeber: cannot make the folder: Not a "
+        "directory; expected control = unix:PATH\n";
+    static const struct {
+        const char *rig;
+        const char *says;
+    } rows[] = {
+        {COUPLER, ""},
+        {"[encoder e]\nmodel = f3668\nwire = slcan:tcp:0.0.0.0:0,open\n",
+         "drehgeber: slcan:0.0.0.0:: beyond loopback; whoever reaches it is on this wire\n"},
+        {"[encoder e]\nmodel = f3668\nwire = socketcand:0.0.0.0:0,can0,open\n",
+         "drehgeber: socketcand:0.0.0.0:,can0: beyond loopback; whoever reaches it is on this "
+         "wire\n"},
+        {"[encoder e]\nmodel = s3684-rs485\nwire = rs485:rfc2217:0.0.0.0:0,open\n",
+         "drehgeber: rs485:rfc2217:0.0.0.0:: beyond loopback; whoever reaches it is on this wire\n"},
+        {"[encoder e]\nmodel = s3684-rs485\nwire = rs485:tcp:0.0.0.0:0,open\n",
+         "drehgeber: rs485:tcp:0.0.0.0:: beyond loopback; whoever reaches it is on this wire\n"},
+        {"[encoder e]\nmodel = ocd-ib-k3\nwire = modbus:0.0.0.0:0,open\n",
+         "drehgeber: modbus:0.0.0.0:: beyond loopback; whoever reaches it writes to this ring, as "
+         "with the real coupler\n"},
+    };
+    (void)state;
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
+        char said[512];
+        char wanted[512];
+        (void)snprintf(wanted, sizeof wanted, "%s%s", rows[i].says, alone);
+        open_aloud(rows[i].rig, said, sizeof said);
+        assert_string_equal(said, wanted);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -134,6 +202,7 @@ int main(void)
         cmocka_unit_test(who_is_sent_away_may_finish_what_it_says),
         cmocka_unit_test(who_goes_while_it_is_sent_away_is_gone),
         cmocka_unit_test(who_says_no_more_hears_for_two_seconds),
+        cmocka_unit_test(wires_beyond_loopback_are_told),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
