@@ -186,6 +186,42 @@ static void many_come_in_their_order(void **state)
     }
 }
 
+/* One that waits takes its deadline along, one that does not waits there neither. */
+static void timers_move_between_strands(void **state)
+{
+    struct lx_strand *strand = lx_strand_new();
+    struct waiter a;
+    struct waiter b;
+
+    (void)state;
+    assert_non_null(strand);
+    open_at(&a, 'a', DG_S(1), 0);
+    open_at(&b, 'b', DG_NEVER, 0);
+    assert_int_equal(lx_timer_move(&a.timer, strand), 0);
+    assert_int_equal(lx_timer_move(&b.timer, strand), 0);
+    assert_true(lx_strand_next(strand) == seen.begin + DG_S(1));
+    assert_true(lx_strand_next(NULL) == DG_NEVER);
+    assert_false(lx_time_pass(seen.begin + DG_S(2)));
+    assert_int_equal(seen.count, 0);
+    lx_strand_enter(strand);
+    assert_int_equal(lx_now(), seen.begin);
+    assert_true(lx_time_pass(seen.begin + DG_S(2)));
+    assert_int_equal(seen.at[0], DG_S(1));
+    assert_false(lx_time_pass(seen.begin + DG_S(2)));
+    lx_timer_at(&a.timer, seen.begin + DG_S(5));
+    lx_strand_enter(NULL);
+    assert_int_equal(lx_timer_move(&b.timer, NULL), 0);
+    assert_true(lx_strand_next(NULL) == DG_NEVER);
+    assert_int_equal(lx_timer_move(&a.timer, NULL), 0);
+    assert_true(lx_strand_next(strand) == DG_NEVER);
+    assert_true(lx_strand_next(NULL) == seen.begin + DG_S(5));
+    assert_true(lx_time_pass(seen.begin + DG_S(5)));
+    assert_string_equal(seen.name, "aa");
+    lx_timer_close(&a.timer);
+    lx_timer_close(&b.timer);
+    lx_strand_free(strand);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -194,6 +230,7 @@ int main(void)
         cmocka_unit_test_setup(one_that_is_over_comes_now, begin),
         cmocka_unit_test_setup(who_is_closed_or_moved_is_not_called, begin),
         cmocka_unit_test_setup(many_come_in_their_order, begin),
+        cmocka_unit_test_setup(timers_move_between_strands, begin),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);
