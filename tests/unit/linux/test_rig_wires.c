@@ -238,6 +238,24 @@ static void each_kind_of_wire_counts_its_own(void **state)
     }
 }
 
+/* --- the control plane --- */
+
+/* Two addresses, two sockets: they are there as long as the rig is. */
+static void every_control_address_is_served_and_given_back(void **state)
+{
+    static const char *const sockets[] = {"a.sock", "b.sock", "c.sock"};
+    struct virtual_rig *rig = open_rig("[rig]\ncontrol = unix:a.sock\ncontrol = unix:b.sock\n"
+                                       "control = unix:c.sock\n" CAN);
+    (void)state;
+    for (size_t i = 0; i < DG_COUNT(sockets); i++) {
+        assert_int_equal(access(sockets[i], F_OK), 0);
+    }
+    close_rig(rig);
+    for (size_t i = 0; i < DG_COUNT(sockets); i++) {
+        assert_int_equal(access(sockets[i], F_OK), -1);
+    }
+}
+
 /* --- traces --- */
 
 static void each_wire_has_a_trace_of_its_own(void **state)
@@ -271,6 +289,7 @@ int main(void)
         cmocka_unit_test(each_shaft_plays_motions_of_its_own),
         cmocka_unit_test(each_encoder_follows_courses_of_its_own),
         cmocka_unit_test(each_kind_of_wire_counts_its_own),
+        cmocka_unit_test(every_control_address_is_served_and_given_back),
         cmocka_unit_test(each_wire_has_a_trace_of_its_own),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);
