@@ -4,6 +4,7 @@
 import math
 import os
 import pathlib
+import struct
 import subprocess
 import zipfile
 from collections.abc import Callable
@@ -182,6 +183,20 @@ def test_a_rig_of_files(make: Make, files: pathlib.Path) -> None:
     slave.step(2.0)
     assert [slave.get(f"{name}.position") for name in ("first", "second", "third")] == [900, 900, 1 << 26]
     slave.close()
+
+
+def test_the_archive_says_the_same_of_every_file(make: Make, files: pathlib.Path) -> None:
+    """Neither the clock nor the user shows in it: two of one model are the same bytes."""
+    path = pathlib.Path(make(str(files / "rig.ini")).path)
+    with zipfile.ZipFile(path) as archive:
+        said = {(file.flag_bits, file.compress_type, file.date_time, file.create_system, file.external_attr >> 16,
+                 file.extract_version, file.extra, file.comment) for file in archive.infolist()}
+        content = path.read_bytes()
+        for file in archive.infolist():
+            ahead = content[file.header_offset:file.header_offset + 30]
+            size, name = file.file_size, file.filename.encode()
+            assert ahead == struct.pack("<IHHHHHIIIHH", 0x04034B50, 10, 0, 0, 0, 0x21, file.CRC, size, size, len(name), 0)
+    assert said == {(0, zipfile.ZIP_STORED, (1980, 1, 1, 0, 0, 0), 3, 0o100644, 10, b"", b"")}
 
 
 def test_another_file_is_refused(make: Make, files: pathlib.Path) -> None:
