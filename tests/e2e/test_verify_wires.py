@@ -3,11 +3,14 @@
 read. The encoder is a few lines of Python behind a network, which does what no encoder of ours would."""
 import contextlib
 import json
+import os
+import pty
 import re
 import select
 import socket
 import subprocess
 import threading
+import tty
 from xml.etree import ElementTree
 
 import pytest
@@ -57,8 +60,8 @@ class Node(Server):
 
 def verify(node: Node, *arguments, **options) -> subprocess.CompletedProcess:
     return subprocess.run([PROGRAM, "verify", "f3668", node.option, *map(str, arguments)], stdin=subprocess.DEVNULL,
-                          stderr=subprocess.PIPE, text=True, timeout=LIMIT_S,
-                          **({"stdout": subprocess.PIPE} | options))
+                          text=True, timeout=LIMIT_S,
+                          **({"stdout": subprocess.PIPE, "stderr": subprocess.PIPE} | options))
 
 
 # --- adapters
@@ -329,6 +332,24 @@ def test_clauses_of_ones_own(tmp_path, monkeypatch):
         assert ended.stdout.count(f"\n{line}\n") == 2, ended.stdout
     assert ended.stdout.splitlines()[-1] == "2 clauses agree, 0 differ, 6 were not seen"
     assert len(ElementTree.parse(tmp_path / "junit.xml").getroot().findall("testcase/skipped")) == 6
+
+
+@pytest.mark.parametrize("quiet", [(), ("--quiet",)])
+def test_a_terminal_is_told_how_far_it_is(tmp_path, monkeypatch, quiet):
+    write_clauses(tmp_path, CLAUSES, ROWS + "[M2] another row\n  given f3668\n  read 1000:0 96 01 02 00\n")
+    monkeypatch.setenv("DREHGEBER_CLAUSES", str(tmp_path))
+    near, far = pty.openpty()
+    tty.setraw(far)
+    with Node() as node:
+        assert verify(node, *quiet, stderr=far).returncode == 0
+    os.write(far, b"the end")
+    rows = b"".join(b"\r%s %d of 2 " % (suite.encode(), row) for suite in WIRES["f3668"][2] for row in (1, 2))
+    told = b""
+    while not told.endswith(b"the end") and select.select([near], [], [], LIMIT_S)[0]:
+        told += os.read(near, 4096)
+    os.close(near)
+    os.close(far)
+    assert told == (b"" if quiet else rows + b"\r\n") + b"the end"
 
 
 def in_xml(text: str) -> str:
