@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * Whether clauses and rows fit each other; and the devices that only the tests have steps for.
+ * Whether clauses and rows fit each other.
  */
 #ifndef TESTS_CONFORMANCE_AUDIT_H
 #define TESTS_CONFORMANCE_AUDIT_H
@@ -24,8 +24,5 @@ struct cf_audit cf_audit(struct cf_suite *suite, const struct cf_device *device,
 
 /** Clauses covered per chapter, on `to`. Call after cf_audit(). */
 void cf_summary(const struct cf_suite *suite, FILE *to);
-
-/** The steps of an S36 with BiSS (biss_steps.c). One bench: not for two at a time. */
-const struct cf_device *cf_biss(void);
 
 #endif

@@ -19,7 +19,6 @@
 #include "audit.h"
 #include "canopen_from_eds.h"
 #include "canopen_steps.h"
-#include "ssi_steps.h"
 
 static struct cf_suite suite;
 static const struct cf_device *device;

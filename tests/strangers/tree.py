@@ -73,7 +73,7 @@ ROWS = {
          "".join(f"  'src/eleven/{name}.c',\n" for name in ("host", "instrument", "keys", "side", "stack", "words"))),
         (WIRES, "&lx_hf_stack,", "&lx_eleven_stack, "),
         (PAGE, "| `f3658` |", "| `eleven-24` | nobody's, 24 bit | eleven characters | [about it](src/eleven/README.md) |\n"),
-        (SUITES, '#include "ssi_steps.h"\n', '#include "eleven_steps.h"\n'),
+        (SUITES, "\nstatic struct cf_suite suite;", '#include "eleven_steps.h"\n'),
         (SUITES, '        {"cia406", ', '        {"eleven", cf_eleven, prove},\n'),
         (MODELS, "\nstruct host_rig_place host_rig_here;", '#include "drehgeber/eleven.h"\n'),
         (MODELS, "#define BISS ", '#define ELEVEN "eleven", &dg_eleven_wire, DG_HOST_MEDIUM_CHARACTERS, "slot"\n'),

@@ -12,7 +12,7 @@ install(DIRECTORY docs DESTINATION ${CMAKE_INSTALL_DOCDIR}) # what README.md lea
 install(DIRECTORY tools/examples DESTINATION ${CMAKE_INSTALL_DOCDIR} PATTERN __pycache__ EXCLUDE)
 install(DIRECTORY tools/eds tools/gtkwave tools/models tools/sigrok DESTINATION ${CMAKE_INSTALL_DATADIR}/drehgeber
   PATTERN __pycache__ EXCLUDE PATTERN README.md EXCLUDE)
-foreach(suite hiperface canopen cia406 interbus) # what `drehgeber verify` asks
+foreach(suite hiperface biss ssi canopen cia406 interbus) # what `drehgeber verify` asks
   install(FILES tests/conformance/${suite}.clauses tests/conformance/${suite}.rows
     DESTINATION ${CMAKE_INSTALL_DATADIR}/drehgeber/clauses)
 endforeach()

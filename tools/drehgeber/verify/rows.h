@@ -179,6 +179,12 @@ bool cf_run(const struct cf_suite *suite, const struct cf_row *row, const struct
 /** The steps of an S36 with RS485 (hiperface_steps.c). One bench: not for two at a time. */
 const struct cf_device *cf_hiperface(void);
 
+/** The steps of an S36 with BiSS (biss_steps.c). One bench: not for two at a time. */
+const struct cf_device *cf_biss(void);
+
+/** The steps of an encoder with SSI (ssi_steps.c). One bench: not for two at a time. */
+const struct cf_device *cf_ssi(void);
+
 /** The steps of an F36x8 on CAN (canopen_steps.c). One bench: not for two at a time. */
 const struct cf_device *cf_canopen(void);
 

@@ -3,21 +3,21 @@
  * @file
  * The bench of the BiSS steps: slaves on a line, their shaft and world, and the master.
  */
-#ifndef TESTS_CONFORMANCE_BISS_BENCH_H
-#define TESTS_CONFORMANCE_BISS_BENCH_H
+#ifndef DREHGEBER_VERIFY_BISS_BENCH_H
+#define DREHGEBER_VERIFY_BISS_BENCH_H
 
 #include <stdbool.h>
 #include <stddef.h>
 
 #include "biss_master.h"
 #include "drehgeber/biss.h"
-#include "ram_nvm.h"
+#include "row_memory.h"
 #include "rows.h"
 
 /** A slave and its EEPROM. */
 struct biss_slave {
     struct dg_biss_model model;
-    struct ram_nvm nvm;
+    struct cf_memory nvm;
     struct dg_biss device;
 };
 

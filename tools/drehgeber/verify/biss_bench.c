@@ -121,8 +121,8 @@ static bool add_slave(struct biss_bench *b, char **words, size_t n, struct cf_re
             return cf_fail(report, "no such figure: %s", words[i]);
         }
     }
-    ram_nvm_init(&slave->nvm, dg_store_size(&dg_biss_layout));
-    setup.nvm = ram_nvm_port(&slave->nvm);
+    cf_memory_init(&slave->nvm, dg_store_size(&dg_biss_layout));
+    setup.nvm = cf_memory_port(&slave->nvm);
     if (dg_biss_format(setup.nvm) != 0 || dg_biss_init(&slave->device, &setup) != 0) {
         return cf_fail(report, "these figures are refused");
     }
@@ -212,14 +212,13 @@ bool biss_bench_damage(void *ctx, char **words, size_t n, struct cf_report *repo
     struct biss_bench *b = ctx;
     int region = n == 3 ? dg_store_find(&dg_biss_layout, words[1]) : -1;
     unsigned long offset = n == 3 ? strtoul(words[2], NULL, 0) : 0;
-    struct ram_nvm *nvm = &b->slaves[0].nvm;
+    struct cf_memory *nvm = &b->slaves[0].nvm;
 
     if (region < 0 || offset >= dg_biss_layout.regions[region].size) {
         return cf_fail(report, "damage REGION OFFSET");
     }
     offset += dg_store_address(&dg_biss_layout, (uint8_t)region);
     nvm->bytes[offset] ^= 1u;
-    nvm->synced[offset] = nvm->bytes[offset];
     return true;
 }
 

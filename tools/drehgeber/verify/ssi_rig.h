@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * A test rig for SSI: an encoder with its world on a line in virtual time, and a master as simple
+ * A rig for SSI: an encoder with its world on a line in virtual time, and a master as simple
  * as can be. Everything lives in the struct; a rig may be saved and put back by assignment, to the
  * same place only.
  */
-#ifndef TESTS_SUPPORT_SSI_RIG_H
-#define TESTS_SUPPORT_SSI_RIG_H
+#ifndef DREHGEBER_VERIFY_SSI_RIG_H
+#define DREHGEBER_VERIFY_SSI_RIG_H
 
 #include <stdbool.h>
 #include <stddef.h>

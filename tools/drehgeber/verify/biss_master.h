@@ -11,8 +11,8 @@
  *
  * A bit is what SL shows at the end of its clock, just before the next rising edge.
  */
-#ifndef TESTS_SUPPORT_BISS_MASTER_H
-#define TESTS_SUPPORT_BISS_MASTER_H
+#ifndef DREHGEBER_VERIFY_BISS_MASTER_H
+#define DREHGEBER_VERIFY_BISS_MASTER_H
 
 #include <stdbool.h>
 #include <stddef.h>

@@ -3,8 +3,6 @@
  * Steps of an encoder with SSI, in virtual time. The table at the end lists all steps; ssi.rows
  * explains them. Data must never have moved on a falling edge when a row is over.
  */
-#include "ssi_steps.h"
-
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

@@ -7,7 +7,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "audit.h"
 #include "biss_bench.h"
 
 #define BITS_MAX 1000u
