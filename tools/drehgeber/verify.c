@@ -4,8 +4,6 @@
 #include "verify.h"
 
 #include <errno.h>
-#include <libgen.h>
-#include <limits.h>
 #include <spawn.h>
 #include <stdarg.h>
 #include <stdlib.h>
@@ -20,8 +18,6 @@
 #include "timer.h"
 #include "verify_parts.h"
 #include "verify_stream.h"
-
-#define BESIDE "share/drehgeber/clauses"
 
 static const struct verify_protocol *const protocols[] = {&verify_hiperface, &verify_canopen,
                                                           &verify_interbus};
@@ -325,15 +321,6 @@ static bool try_once(struct verify *self, const struct cf_suite *suite, const st
     return put_back(self) && there;
 }
 
-bool verify_asked(const struct verify_result *result, const char *clause)
-{
-    bool asked = result->word_count == 0;
-    for (size_t i = 0; i < result->word_count; i++) {
-        asked = asked || strncmp(clause, result->words[i], strlen(result->words[i])) == 0;
-    }
-    return asked;
-}
-
 static bool cites_asked(const struct verify_result *result, const struct cf_row *row)
 {
     bool asked = false;
@@ -378,106 +365,6 @@ static void run_row(struct verify *self, struct verify_suite *suite, size_t inde
     }
     if (!self->options->say.quiet && isatty(STDERR_FILENO)) {
         (void)fprintf(stderr, "\r%s %zu of %zu ", suite->name, index + 1u, suite->rows->row_count);
-    }
-}
-
-enum verify_outcome verify_clause(const struct verify_suite *suite, const struct cf_clause *clause,
-                                  const struct verify_row **because)
-{
-    enum verify_outcome outcome = VERIFY_NOT_SEEN;
-    *because = NULL;
-    for (size_t i = 0; i < suite->rows->row_count; i++) {
-        const struct cf_row *row = &suite->rows->rows[i];
-        const struct verify_row *result = &suite->results[i];
-        bool cites = false;
-        for (size_t k = 0; k < row->cited_count; k++) {
-            cites = cites || strcmp(row->cited[k], clause->id) == 0;
-        }
-        const bool weightier = *because == NULL ||
-                               (result->outcome == VERIFY_DIFFERS && outcome != VERIFY_DIFFERS) ||
-                               (result->outcome == VERIFY_AGREES && outcome == VERIFY_NOT_SEEN);
-        if (cites && weightier) {
-            *because = result;
-            outcome = result->outcome;
-        }
-    }
-    return outcome;
-}
-
-/* --- clauses --- */
-
-/* Beside the program in a build tree, else where they are installed. */
-static int find_folder(char *to, size_t size, struct lx_error *error)
-{
-    const char *own = getenv(VERIFY_FOLDER);
-    char self[PATH_MAX];
-    const ssize_t n = readlink("/proc/self/exe", self, sizeof self - 1);
-    self[n < 0 ? 0 : n] = '\0';
-    const char *folder = dirname(self);
-    if (own != NULL && own[0] != '\0') {
-        (void)snprintf(to, size, "%s", own);
-    } else {
-        (void)snprintf(to, size, "%s/" BESIDE, folder);
-        if (access(to, X_OK) != 0) {
-            (void)snprintf(to, size, "%s/" DREHGEBER_CLAUSES_FOLDER, folder);
-        }
-    }
-    return access(to, X_OK) == 0
-               ? 0
-               : lx_fail(error, "no clauses at %s; $" VERIFY_FOLDER " names their folder", to);
-}
-
-static int load_files(struct cf_suite *to, const char *name, struct lx_error *error)
-{
-    char folder[PATH_MAX];
-    char clauses[PATH_MAX + 64];
-    char rows[PATH_MAX + 64];
-    if (find_folder(folder, sizeof folder, error) != 0) {
-        return -1;
-    }
-    (void)snprintf(clauses, sizeof clauses, "%s/%s.clauses", folder, name);
-    (void)snprintf(rows, sizeof rows, "%s/%s.rows", folder, name);
-    return cf_load(to, clauses, rows, NULL)
-               ? 0
-               : lx_fail(error, "%s: these clauses cannot be read", folder);
-}
-
-static int load_suites(struct verify *self, struct lx_error *error)
-{
-    const struct verify_protocol *protocol = self->protocol;
-    for (size_t i = 0; i < VERIFY_SUITES_MAX && protocol->suites[i] != NULL; i++) {
-        struct verify_suite *suite = &self->result.suites[i];
-        suite->name = protocol->suites[i];
-        suite->rows = calloc(1, sizeof *suite->rows);
-        if (suite->rows == NULL) {
-            return lx_fail(error, "no memory");
-        }
-        if ((protocol->load != NULL ? protocol->load(self->options, suite->rows, error)
-                                    : load_files(suite->rows, suite->name, error)) != 0) {
-            return -1;
-        }
-        suite->rows->rows_name = suite->name;
-        suite->results = calloc(suite->rows->row_count + 1u, sizeof *suite->results);
-        if (suite->results == NULL) {
-            return lx_fail(error, "no memory");
-        }
-        self->result.suite_count++;
-    }
-    return 0;
-}
-
-static void unload_suites(struct verify *self)
-{
-    for (size_t i = 0; i < VERIFY_SUITES_MAX; i++) {
-        struct verify_suite *suite = &self->result.suites[i];
-        for (size_t k = 0; suite->results != NULL && k < suite->rows->row_count; k++) {
-            free(suite->results[k].text);
-        }
-        if (suite->rows != NULL) {
-            cf_unload(suite->rows);
-        }
-        free(suite->results);
-        free(suite->rows);
     }
 }
 
@@ -612,6 +499,36 @@ static int open_journal(struct verify *self, struct lx_error *error)
     return 0;
 }
 
+static void free_encoder(struct verify_encoder *self)
+{
+    self->protocol->close(self);
+    free(self);
+}
+
+/* To be freed. NULL with `error` */
+static struct verify_encoder *make_encoder(const struct verify *self, struct lx_error *error)
+{
+    const struct verify_protocol *protocol = self->protocol;
+    const struct options *options = self->options;
+    if (protocol->wire != NULL && strcmp(options->wire->name, protocol->wire) != 0) {
+        (void)lx_refuse(error, protocol->expects, "verify cannot use --%s", options->wire->name);
+        return NULL;
+    }
+    struct verify_encoder *encoder = lx_allocate(protocol->size, "an encoder", error);
+    if (encoder == NULL) {
+        return NULL;
+    }
+    encoder->protocol = protocol;
+    encoder->journal = self->journal;
+    encoder->power = options->power;
+    if (protocol->open(encoder, options, error) != 0 ||
+        (!options->restore && protocol->identify(encoder, options->where, error) != 0)) {
+        free_encoder(encoder);
+        return NULL;
+    }
+    return encoder;
+}
+
 /* @return how the program ends */
 static int restore(struct verify *self)
 {
@@ -630,7 +547,7 @@ static int restore(struct verify *self)
 static int verify_encoder_rows(struct verify *self)
 {
     struct lx_error error;
-    if (load_suites(self, &error) != 0) {
+    if (verify_load_suites(&self->result, self->protocol, self->options, &error) != 0) {
         return complain(&error, EXIT_FAILURE);
     }
     if (check_words(&self->result, &error) != 0) {
@@ -639,21 +556,18 @@ static int verify_encoder_rows(struct verify *self)
     if (open_journal(self, &error) != 0) {
         return complain(&error, EXIT_FAILURE);
     }
-    self->encoder = self->protocol->open(self->options, &error);
+    self->encoder = make_encoder(self, &error);
     if (self->encoder == NULL) {
         return complain(&error, EXIT_FAILURE);
     }
-    self->encoder->protocol = self->protocol;
-    self->encoder->journal = self->journal;
-    self->encoder->power = self->options->power;
     if (self->options->restore) {
         const int restored = restore(self);
-        self->protocol->close(self->encoder);
+        free_encoder(self->encoder);
         return restored;
     }
     self->result.encoder = self->encoder;
     if (self->options->alone && self->protocol->scan(self->encoder, &error) != 0) {
-        self->protocol->close(self->encoder);
+        free_encoder(self->encoder);
         return complain(&error, EXIT_FAILURE);
     }
     for (size_t i = 0; i < self->result.suite_count; i++) {
@@ -666,7 +580,7 @@ static int verify_encoder_rows(struct verify *self)
         (void)fputs("\r\n", stderr);
     }
     const int status = print_result(self);
-    self->protocol->close(self->encoder);
+    free_encoder(self->encoder);
     return status;
 }
 
@@ -689,6 +603,6 @@ int verify_command(const struct options *options)
         verify_journal_close(self.journal);
         free(self.journal);
     }
-    unload_suites(&self);
+    verify_unload_suites(&self.result);
     return status;
 }

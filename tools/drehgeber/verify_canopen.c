@@ -5,7 +5,6 @@
  * Frames of other nodes, and what the node sends by itself, are not looked at unless a row waits
  * for them.
  */
-#include <stdlib.h>
 #include <string.h>
 
 #include "drehgeber/bits.h"
@@ -528,28 +527,25 @@ static void close_encoder(struct verify_encoder *base)
     struct canopen *self = of(base);
     cf_canopen_try(NULL);
     verify_frames_close(&self->wire);
-    free(self);
 }
 
-static struct verify_encoder *open_encoder(const struct options *options, struct lx_error *error)
+static int open_encoder(struct verify_encoder *base, const struct options *options,
+                        struct lx_error *error)
 {
-    struct canopen *self = calloc(1, sizeof *self);
-    if (self == NULL) {
-        (void)lx_fail(error, "no memory");
-        return NULL;
-    }
+    struct canopen *self = of(base);
     self->device = options->eds == NULL ? options->device : NULL;
     self->alone = options->alone;
     self->wire.stream.fd = -1;
-    if (verify_eds_node(options->node, &self->node, error) != 0 ||
-        verify_frames_open(&self->wire, options->wire->name, options->where, error) != 0 ||
-        (!options->restore &&
-         (identify_node(self, options->where, error) != 0 ||
-          (self->device != NULL && measure_node(self, options->where, error) != 0)))) {
-        close_encoder(&self->base);
-        return NULL;
-    }
-    return &self->base;
+    return verify_eds_node(options->node, &self->node, error) == 0
+               ? verify_frames_open(&self->wire, options->wire->name, options->where, error)
+               : -1;
+}
+
+static int identify(struct verify_encoder *base, const char *where, struct lx_error *error)
+{
+    struct canopen *self = of(base);
+    const int identified = identify_node(self, where, error);
+    return identified != 0 || self->device == NULL ? identified : measure_node(self, where, error);
 }
 
 const struct verify_protocol verify_canopen = {
@@ -559,7 +555,9 @@ const struct verify_protocol verify_canopen = {
     .writes =
         "objects, by SDO: communication, TPDOs and their mapping, scaling, working areas, customer memory",
     .rows = cf_canopen,
+    .size = sizeof(struct canopen),
     .open = open_encoder,
+    .identify = identify,
     .scan = scan,
     .rehearse = rehearse,
     .needs = needs_of,
@@ -575,7 +573,9 @@ const struct verify_protocol verify_canopen_file = {
     .load = verify_eds_load,
     .choices = "",
     .rows = cf_canopen,
+    .size = sizeof(struct canopen),
     .open = open_encoder,
+    .identify = identify,
     .scan = scan,
     .rehearse = rehearse,
     .needs = needs_of,

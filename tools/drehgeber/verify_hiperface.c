@@ -10,7 +10,6 @@
  * Where the model answers otherwise than the row, as it is not as delivered, nothing can be said.
  * Positions may differ by what the shaft was seen to move at rest.
  */
-#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -504,28 +503,24 @@ static void close_encoder(struct verify_encoder *base)
     struct hiperface *self = of(base);
     cf_hiperface_try(NULL);
     verify_stream_close(&self->wire);
-    free(self);
 }
 
-static struct verify_encoder *open_encoder(const struct options *options, struct lx_error *error)
+static int open_encoder(struct verify_encoder *base, const struct options *options,
+                        struct lx_error *error)
 {
     static const struct lx_uart uart = {.baud = 9600, .parity = 'E'};
-    struct hiperface *self = calloc(1, sizeof *self);
-    if (self == NULL) {
-        (void)lx_fail(error, "no memory");
-        return NULL;
-    }
+    struct hiperface *self = of(base);
     self->model = *dg_hf_model_of(options->device);
     self->trial.temperature_mdegc = 37000;
     self->moves = MOVES_MAX;
     self->quiet = lx_real_now();
-    if (verify_stream_open(&self->wire, options->where, &uart, error) != 0 ||
-        (!options->restore && (identify_encoder(self, options->where, error) != 0 ||
-                               measure_encoder(self, options->where, error) != 0))) {
-        close_encoder(&self->base);
-        return NULL;
-    }
-    return &self->base;
+    return verify_stream_open(&self->wire, options->where, &uart, error);
+}
+
+static int identify(struct verify_encoder *base, const char *where, struct lx_error *error)
+{
+    const int identified = identify_encoder(of(base), where, error);
+    return identified != 0 ? identified : measure_encoder(of(base), where, error);
 }
 
 const struct verify_protocol verify_hiperface = {
@@ -534,7 +529,9 @@ const struct verify_protocol verify_hiperface = {
     .choices = "RD",
     .writes = "position and counter, data fields, access codes, address, setting of the line",
     .rows = cf_hiperface,
+    .size = sizeof(struct hiperface),
     .open = open_encoder,
+    .identify = identify,
     .scan = scan,
     .rehearse = rehearse,
     .needs = needs_of,

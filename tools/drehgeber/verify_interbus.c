@@ -5,7 +5,6 @@
  * and IN is read until it is what it should become. On the way there it may only be what it was.
  * The model beside the encoder has its serial number, its version and its position.
  */
-#include <stdlib.h>
 #include <string.h>
 
 #include "drehgeber/bits.h"
@@ -515,32 +514,21 @@ static void close_encoder(struct verify_encoder *base)
     struct interbus *self = of(base);
     cf_interbus_try(NULL);
     verify_coupler_close(&self->wire);
-    free(self);
 }
 
-static struct verify_encoder *open_encoder(const struct options *options, struct lx_error *error)
+static int open_encoder(struct verify_encoder *base, const struct options *options,
+                        struct lx_error *error)
 {
-    struct interbus *self = calloc(1, sizeof *self);
-    if (self == NULL) {
-        (void)lx_fail(error, "no memory");
-        return NULL;
-    }
+    struct interbus *self = of(base);
     self->model = *dg_ib_model_of(options->device);
     self->settled = true;
-    if (strcmp(options->wire->name, "modbus") != 0) {
-        (void)lx_refuse(error, "expected --modbus=HOST:PORT", "verify cannot use --%s",
-                        options->wire->name);
-        free(self);
-        return NULL;
-    }
-    if (verify_coupler_open(&self->wire, options->where, dg_ib_image_words(&self->model), error) !=
-            0 ||
-        (!options->restore && (identify_encoder(self, options->where, error) != 0 ||
-                               measure_ring(self, options->where, error) != 0))) {
-        close_encoder(&self->base);
-        return NULL;
-    }
-    return &self->base;
+    return verify_coupler_open(&self->wire, options->where, dg_ib_image_words(&self->model), error);
+}
+
+static int identify(struct verify_encoder *base, const char *where, struct lx_error *error)
+{
+    const int identified = identify_encoder(of(base), where, error);
+    return identified != 0 ? identified : measure_ring(of(base), where, error);
 }
 
 const struct verify_protocol verify_interbus = {
@@ -549,7 +537,11 @@ const struct verify_protocol verify_interbus = {
     .choices = "ID",
     .writes = "steps, revolutions, direction, zero shift, shift_iw, position or speed mode",
     .rows = cf_interbus,
+    .wire = "modbus",
+    .expects = "expected --modbus=HOST:PORT",
+    .size = sizeof(struct interbus),
     .open = open_encoder,
+    .identify = identify,
     .scan = scan,
     .rehearse = rehearse,
     .needs = needs_of,

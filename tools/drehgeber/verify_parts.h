@@ -60,9 +60,14 @@ struct verify_protocol {
     const struct cf_device *(*rows)(void);
     const char *choices; /* letters with which the numbers of decisions begin */
     const char *writes;  /* what it may write, in words; NULL: nothing, and put_back is, too */
-    /* Open the wire, find the encoder and ask what it is; with options->restore only the wire is
-       opened. NULL with `error`. To be closed. */
-    struct verify_encoder *(*open)(const struct options *options, struct lx_error *error);
+    const char *wire;    /* the only one that leads to such encoders; NULL: `open` knows */
+    const char *expects; /* what is right in place of another wire; NULL with `wire` */
+    size_t size;         /* of the protocol's own struct, which is all 0 before `open` */
+    /* Open the wire. 0, or -1 with `error`; to be closed in any case. */
+    int (*open)(struct verify_encoder *self, const struct options *options, struct lx_error *error);
+    /* Find the encoder at `where` and ask what it is; not for options->restore. 0, or -1 with
+       `error`. */
+    int (*identify)(struct verify_encoder *self, const char *where, struct lx_error *error);
     /* Look for others on the wire for VERIFY_SCAN, with nothing that they obey. 0, or -1 with
        `error`: somebody is there. */
     int (*scan)(struct verify_encoder *self, struct lx_error *error);
@@ -79,6 +84,7 @@ struct verify_protocol {
     bool (*end)(struct verify_encoder *self, struct cf_report *report);
     /* Put back what the notes of the journal say. False: it could not be done, as `report` says. */
     bool (*put_back)(struct verify_encoder *self, struct cf_report *report);
+    /* The wire, also when it was not opened; `self` is freed by whoever has made it. */
     void (*close)(struct verify_encoder *self);
 };
 
@@ -121,6 +127,11 @@ struct verify_result {
     size_t word_count;
     char lost[VERIFY_TEXT_MAX]; /* why it ended early; "" : it did not */
 };
+
+/* Load the lists of the protocol. 0, or -1 with `error`; to be unloaded in any case. */
+int verify_load_suites(struct verify_result *self, const struct verify_protocol *protocol,
+                       const struct options *options, struct lx_error *error);
+void verify_unload_suites(struct verify_result *self);
 
 /* Whether the clause is asked for. */
 bool verify_asked(const struct verify_result *result, const char *clause);
