@@ -85,7 +85,7 @@ static void answer_edge(struct lx_gpio *self)
     const bool level = line->data;
 
     if (self->waiting > 0 || level != self->data) {
-        const int result = lines->ops->set_data(lines, level);
+        const int result = lines->ops->set_output(lines, level);
         if (result < 0) {
             close_gone_lines(self, result);
             return;
@@ -141,7 +141,7 @@ static bool settle_clock(struct lx_gpio *self, dg_ns now)
 {
     struct lx_gpio_lines *lines = self->setup.lines;
     const struct lx_clocked *line = self->setup.line;
-    const int level = lines->ops->get_clock(lines);
+    const int level = lines->ops->get_input(lines);
 
     if (level < 0) {
         close_gone_lines(self, level);
@@ -262,7 +262,7 @@ static void arm_watch(struct lx_gpio *self, dg_ns now)
 static void on_watch(void *ctx, dg_ns now)
 {
     struct lx_gpio *self = ctx;
-    const int level = self->setup.lines->ops->get_clock(self->setup.lines);
+    const int level = self->setup.lines->ops->get_input(self->setup.lines);
 
     if (level < 0) {
         close_gone_lines(self, level);
@@ -296,7 +296,7 @@ int lx_gpio_open(struct lx_gpio *self, const struct lx_gpio_setup *setup, struct
         return lx_fail(error, "no event loop for %s: %s", setup->name, strerror(-result));
     }
     const dg_ns now = lx_now();
-    const int level = setup->lines->ops->get_clock(setup->lines);
+    const int level = setup->lines->ops->get_input(setup->lines);
     if (level < 0) {
         return lx_fail(error, "%s: cannot read %s: %s", setup->name, line->protocol->clock,
                        strerror(-level));

@@ -110,7 +110,7 @@ int lx_gpio_no_line(const struct lx_gpio_address *self, unsigned offset, int rea
     if (reason == EBUSY) {
         return lx_refuse(error, "'gpioinfo' shows free ones", "line %u is in use", offset);
     }
-    return lx_refuse(error, offset == self->clock ? "MA needs edge detection" : NULL,
+    return lx_refuse(error, offset == self->clock ? "an encoder needs edge detection there" : NULL,
                      "cannot use line %u: %s", offset, strerror(reason));
 }
 

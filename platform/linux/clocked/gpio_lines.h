@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * Clock and data on a GPIO chip: edges in, levels out. libgpiod has two incompatible interfaces, so
- * there are two implementations, of which a program has one: gpio_lines_v1.c for libgpiod 1.x,
- * gpio_lines_v2.c for 2.x.
+ * Clock and data on a GPIO chip: an encoder takes edges of the clock and drives data, a master drives
+ * the clock and looks at data. libgpiod has two incompatible interfaces, so there are two
+ * implementations, of which a program has one: gpio_lines_v1.c for libgpiod 1.x, gpio_lines_v2.c for
+ * 2.x.
  */
 #ifndef DREHGEBER_LINUX_GPIO_LINES_H
 #define DREHGEBER_LINUX_GPIO_LINES_H
@@ -45,12 +46,13 @@ struct lx_gpio_lines;
 
 /** What an implementation does. Nothing blocks. */
 struct lx_gpio_lines_ops {
-    /** Take up to `n` edges out of the queue. @return how many, or a negative errno */
+    /** Take up to `n` edges of the clock out of the queue; an encoder's only. @return how many, or a
+     * negative errno */
     int (*read)(struct lx_gpio_lines *self, struct lx_gpio_edge *edges, size_t n);
-    /** @return the level of the clock now, or a negative errno */
-    int (*get_clock)(struct lx_gpio_lines *self);
-    /** Set data. @return 0 or a negative errno */
-    int (*set_data)(struct lx_gpio_lines *self, bool level);
+    /** @return the level of the line that the other side drives, or a negative errno */
+    int (*get_input)(struct lx_gpio_lines *self);
+    /** Set the own line. @return 0 or a negative errno */
+    int (*set_output)(struct lx_gpio_lines *self, bool level);
     /** Give back lines and memory. */
     void (*close)(struct lx_gpio_lines *self);
 };
@@ -58,13 +60,18 @@ struct lx_gpio_lines_ops {
 /** Both lines; first member of an implementation. */
 struct lx_gpio_lines {
     const struct lx_gpio_lines_ops *ops;
-    int fd; /**< readable while edges are queued */
+    int fd; /**< readable while edges are queued; -1: a master's */
 };
 
-/** Take the lines: the clock with both edges, data as an output that begins with level `data`.
- * @return NULL with one line in `error` */
+/** Take the lines for an encoder: the clock with both edges, data as an output that begins with
+ * level `data`. @return NULL with one line in `error` */
 struct lx_gpio_lines *lx_gpio_lines_open(const struct lx_gpio_address *address, bool data,
                                          struct lx_error *error);
+
+/** Take the lines for a master: the clock as an output that begins high, data as an input.
+ * @return NULL with one line in `error` */
+struct lx_gpio_lines *lx_gpio_lines_open_master(const struct lx_gpio_address *address,
+                                                struct lx_error *error);
 
 /** Version of the library behind them. */
 const char *lx_gpio_library(void);

@@ -14,8 +14,8 @@
 struct lines {
     struct lx_gpio_lines base;
     struct gpiod_chip *chip;
-    struct gpiod_line *clock;
-    struct gpiod_line *data;
+    struct gpiod_line *input;
+    struct gpiod_line *output;
 };
 
 static struct lines *v1_lines_of(struct lx_gpio_lines *base)
@@ -41,15 +41,15 @@ static int read_edges(struct lx_gpio_lines *base, struct lx_gpio_edge *edges, si
     return count;
 }
 
-static int get_clock(struct lx_gpio_lines *base)
+static int get_input(struct lx_gpio_lines *base)
 {
-    const int level = gpiod_line_get_value(v1_lines_of(base)->clock);
+    const int level = gpiod_line_get_value(v1_lines_of(base)->input);
     return level < 0 ? -errno : level;
 }
 
-static int set_data(struct lx_gpio_lines *base, bool level)
+static int set_output(struct lx_gpio_lines *base, bool level)
 {
-    return gpiod_line_set_value(v1_lines_of(base)->data, level) < 0 ? -errno : 0;
+    return gpiod_line_set_value(v1_lines_of(base)->output, level) < 0 ? -errno : 0;
 }
 
 static void close_lines(struct lx_gpio_lines *base)
@@ -63,13 +63,13 @@ static void close_lines(struct lx_gpio_lines *base)
 
 static const struct lx_gpio_lines_ops ops = {
     .read = read_edges,
-    .get_clock = get_clock,
-    .set_data = set_data,
+    .get_input = get_input,
+    .set_output = set_output,
     .close = close_lines,
 };
 
-static int request_lines(struct lines *self, const struct lx_gpio_address *address, bool data,
-                         struct lx_error *error)
+static int open_chip(struct lines *self, const struct lx_gpio_address *address,
+                     struct lx_error *error)
 {
     char path[LX_GPIO_PATH_MAX];
     lx_gpio_find(address, path);
@@ -77,19 +77,29 @@ static int request_lines(struct lines *self, const struct lx_gpio_address *addre
     if (self->chip == NULL) {
         return lx_gpio_no_chip(address, errno, error);
     }
-    if (lx_gpio_check_offsets(address, gpiod_chip_num_lines(self->chip), error) != 0) {
-        return -1;
-    }
-    self->data = gpiod_chip_get_line(self->chip, address->data);
-    if (self->data == NULL || gpiod_line_request_output(self->data, LX_GPIO_CONSUMER, data) != 0) {
-        return lx_gpio_no_line(address, address->data, errno, error);
-    }
-    self->clock = gpiod_chip_get_line(self->chip, address->clock);
-    if (self->clock == NULL ||
-        gpiod_line_request_both_edges_events(self->clock, LX_GPIO_CONSUMER) != 0) {
+    return lx_gpio_check_offsets(address, gpiod_chip_num_lines(self->chip), error);
+}
+
+static int request_own_line(struct lines *self, const struct lx_gpio_address *address,
+                            unsigned offset, bool level, struct lx_error *error)
+{
+    self->output = gpiod_chip_get_line(self->chip, offset);
+    return self->output != NULL &&
+                   gpiod_line_request_output(self->output, LX_GPIO_CONSUMER, level) == 0
+               ? 0
+               : lx_gpio_no_line(address, offset, errno, error);
+}
+
+/* For an encoder, of whose clock every edge counts. */
+static int request_edges(struct lines *self, const struct lx_gpio_address *address,
+                         struct lx_error *error)
+{
+    self->input = gpiod_chip_get_line(self->chip, address->clock);
+    if (self->input == NULL ||
+        gpiod_line_request_both_edges_events(self->input, LX_GPIO_CONSUMER) != 0) {
         return lx_gpio_no_line(address, address->clock, errno, error);
     }
-    self->base.fd = gpiod_line_event_get_fd(self->clock);
+    self->base.fd = gpiod_line_event_get_fd(self->input);
     if (self->base.fd < 0 || fcntl(self->base.fd, F_SETFL, O_NONBLOCK) != 0) {
         return lx_gpio_no_line(address, address->clock, errno, error);
     }
@@ -104,7 +114,36 @@ struct lx_gpio_lines *lx_gpio_lines_open(const struct lx_gpio_address *address, 
         return NULL;
     }
     self->base.ops = &ops;
-    if (request_lines(self, address, data, error) != 0) {
+    if (open_chip(self, address, error) != 0 ||
+        request_own_line(self, address, address->data, data, error) != 0 ||
+        request_edges(self, address, error) != 0) {
+        close_lines(&self->base);
+        return NULL;
+    }
+    return &self->base;
+}
+
+static int request_other_line(struct lines *self, const struct lx_gpio_address *address,
+                              struct lx_error *error)
+{
+    self->base.fd = -1;
+    self->input = gpiod_chip_get_line(self->chip, address->data);
+    return self->input != NULL && gpiod_line_request_input(self->input, LX_GPIO_CONSUMER) == 0
+               ? 0
+               : lx_gpio_no_line(address, address->data, errno, error);
+}
+
+struct lx_gpio_lines *lx_gpio_lines_open_master(const struct lx_gpio_address *address,
+                                                struct lx_error *error)
+{
+    struct lines *self = lx_allocate(sizeof *self, "lines", error);
+    if (self == NULL) {
+        return NULL;
+    }
+    self->base.ops = &ops;
+    if (open_chip(self, address, error) != 0 ||
+        request_own_line(self, address, address->clock, true, error) != 0 ||
+        request_other_line(self, address, error) != 0) {
         close_lines(&self->base);
         return NULL;
     }

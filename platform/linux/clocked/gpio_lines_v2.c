@@ -15,11 +15,11 @@
 struct lines {
     struct lx_gpio_lines base;
     struct gpiod_chip *chip;
-    struct gpiod_line_request *clock;
-    struct gpiod_line_request *data;
-    struct gpiod_edge_event_buffer *events;
-    unsigned clock_offset;
-    unsigned data_offset;
+    struct gpiod_line_request *input;
+    struct gpiod_line_request *output;
+    struct gpiod_edge_event_buffer *events; /* an encoder's */
+    unsigned input_offset;
+    unsigned output_offset;
     unsigned long number; /* of the latest edge */
 };
 
@@ -32,7 +32,7 @@ static int read_edges(struct lx_gpio_lines *base, struct lx_gpio_edge *edges, si
 {
     struct lines *self = lines_of(base);
     const int count =
-        gpiod_line_request_read_edge_events(self->clock, self->events, n < BATCH ? n : BATCH);
+        gpiod_line_request_read_edge_events(self->input, self->events, n < BATCH ? n : BATCH);
     if (count < 0) {
         return errno == EAGAIN ? 0 : -errno;
     }
@@ -50,29 +50,29 @@ static int read_edges(struct lx_gpio_lines *base, struct lx_gpio_edge *edges, si
     return count;
 }
 
-static int get_clock(struct lx_gpio_lines *base)
+static int get_input(struct lx_gpio_lines *base)
 {
     struct lines *self = lines_of(base);
     const enum gpiod_line_value level =
-        gpiod_line_request_get_value(self->clock, self->clock_offset);
+        gpiod_line_request_get_value(self->input, self->input_offset);
     return level == GPIOD_LINE_VALUE_ERROR ? -errno : level == GPIOD_LINE_VALUE_ACTIVE;
 }
 
-static int set_data(struct lx_gpio_lines *base, bool level)
+static int set_output(struct lx_gpio_lines *base, bool level)
 {
     struct lines *self = lines_of(base);
     const enum gpiod_line_value value = level ? GPIOD_LINE_VALUE_ACTIVE : GPIOD_LINE_VALUE_INACTIVE;
-    return gpiod_line_request_set_value(self->data, self->data_offset, value) < 0 ? -errno : 0;
+    return gpiod_line_request_set_value(self->output, self->output_offset, value) < 0 ? -errno : 0;
 }
 
 static void close_lines(struct lx_gpio_lines *base)
 {
     struct lines *self = lines_of(base);
-    if (self->clock != NULL) {
-        gpiod_line_request_release(self->clock);
+    if (self->input != NULL) {
+        gpiod_line_request_release(self->input);
     }
-    if (self->data != NULL) {
-        gpiod_line_request_release(self->data);
+    if (self->output != NULL) {
+        gpiod_line_request_release(self->output);
     }
     if (self->chip != NULL) {
         gpiod_chip_close(self->chip);
@@ -83,8 +83,8 @@ static void close_lines(struct lx_gpio_lines *base)
 
 static const struct lx_gpio_lines_ops ops = {
     .read = read_edges,
-    .get_clock = get_clock,
-    .set_data = set_data,
+    .get_input = get_input,
+    .set_output = set_output,
     .close = close_lines,
 };
 
@@ -108,7 +108,7 @@ static struct gpiod_line_request *request_line(struct gpiod_chip *chip, unsigned
     return line;
 }
 
-static struct gpiod_line_request *request_data(const struct lines *self, bool level)
+static struct gpiod_line_request *request_output(const struct lines *self, bool level)
 {
     struct gpiod_line_settings *settings = gpiod_line_settings_new();
     if (settings == NULL) {
@@ -117,21 +117,23 @@ static struct gpiod_line_request *request_data(const struct lines *self, bool le
     (void)gpiod_line_settings_set_direction(settings, GPIOD_LINE_DIRECTION_OUTPUT);
     (void)gpiod_line_settings_set_output_value(settings, level ? GPIOD_LINE_VALUE_ACTIVE
                                                                : GPIOD_LINE_VALUE_INACTIVE);
-    struct gpiod_line_request *line = request_line(self->chip, self->data_offset, settings);
+    struct gpiod_line_request *line = request_line(self->chip, self->output_offset, settings);
     gpiod_line_settings_free(settings);
     return line;
 }
 
 /* Edges have the monotonic clock unless another one is asked for. */
-static struct gpiod_line_request *request_clock(const struct lines *self)
+static struct gpiod_line_request *request_input(const struct lines *self, bool edges)
 {
     struct gpiod_line_settings *settings = gpiod_line_settings_new();
     if (settings == NULL) {
         return NULL;
     }
     (void)gpiod_line_settings_set_direction(settings, GPIOD_LINE_DIRECTION_INPUT);
-    (void)gpiod_line_settings_set_edge_detection(settings, GPIOD_LINE_EDGE_BOTH);
-    struct gpiod_line_request *line = request_line(self->chip, self->clock_offset, settings);
+    if (edges) {
+        (void)gpiod_line_settings_set_edge_detection(settings, GPIOD_LINE_EDGE_BOTH);
+    }
+    struct gpiod_line_request *line = request_line(self->chip, self->input_offset, settings);
     gpiod_line_settings_free(settings);
     return line;
 }
@@ -148,8 +150,9 @@ static int check_chip(const struct lines *self, const struct lx_gpio_address *ad
     return lx_gpio_check_offsets(address, (unsigned)count, error);
 }
 
-static int request(struct lines *self, const struct lx_gpio_address *address, bool data,
-                   struct lx_error *error)
+/* The chip, the own line with this level, the other side's, with edges or without. */
+static int request_lines(struct lines *self, const struct lx_gpio_address *address, bool level,
+                         bool edges, struct lx_error *error)
 {
     char path[LX_GPIO_PATH_MAX];
     lx_gpio_find(address, path);
@@ -160,19 +163,22 @@ static int request(struct lines *self, const struct lx_gpio_address *address, bo
     if (check_chip(self, address, error) != 0) {
         return -1;
     }
-    self->data = request_data(self, data);
-    if (self->data == NULL) {
-        return lx_gpio_no_line(address, address->data, errno, error);
+    self->output = request_output(self, level);
+    if (self->output == NULL) {
+        return lx_gpio_no_line(address, self->output_offset, errno, error);
     }
-    self->clock = request_clock(self);
+    self->input = request_input(self, edges);
+    return self->input != NULL ? 0 : lx_gpio_no_line(address, self->input_offset, errno, error);
+}
+
+static int queue_edges(struct lines *self, const struct lx_gpio_address *address,
+                       struct lx_error *error)
+{
     self->events = gpiod_edge_event_buffer_new(BATCH);
-    if (self->clock == NULL || self->events == NULL) {
-        return lx_gpio_no_line(address, address->clock, errno, error);
-    }
-    self->base.fd = gpiod_line_request_get_fd(self->clock);
-    return fcntl(self->base.fd, F_SETFL, O_NONBLOCK) == 0
+    self->base.fd = gpiod_line_request_get_fd(self->input);
+    return self->events != NULL && fcntl(self->base.fd, F_SETFL, O_NONBLOCK) == 0
                ? 0
-               : lx_gpio_no_line(address, address->clock, errno, error);
+               : lx_gpio_no_line(address, self->input_offset, errno, error);
 }
 
 struct lx_gpio_lines *lx_gpio_lines_open(const struct lx_gpio_address *address, bool data,
@@ -183,9 +189,28 @@ struct lx_gpio_lines *lx_gpio_lines_open(const struct lx_gpio_address *address, 
         return NULL;
     }
     self->base.ops = &ops;
-    self->clock_offset = address->clock;
-    self->data_offset = address->data;
-    if (request(self, address, data, error) != 0) {
+    self->input_offset = address->clock;
+    self->output_offset = address->data;
+    if (request_lines(self, address, data, true, error) != 0 ||
+        queue_edges(self, address, error) != 0) {
+        close_lines(&self->base);
+        return NULL;
+    }
+    return &self->base;
+}
+
+struct lx_gpio_lines *lx_gpio_lines_open_master(const struct lx_gpio_address *address,
+                                                struct lx_error *error)
+{
+    struct lines *self = lx_allocate(sizeof *self, "lines", error);
+    if (self == NULL) {
+        return NULL;
+    }
+    self->base.ops = &ops;
+    self->base.fd = -1;
+    self->input_offset = address->data;
+    self->output_offset = address->clock;
+    if (request_lines(self, address, true, false, error) != 0) {
         close_lines(&self->base);
         return NULL;
     }

@@ -84,8 +84,8 @@ static void fake_close(struct lx_gpio_lines *base)
 
 static const struct lx_gpio_lines_ops fake_ops = {
     .read = fake_read,
-    .get_clock = fake_get_clock,
-    .set_data = fake_set_data,
+    .get_input = fake_get_clock,
+    .set_output = fake_set_data,
     .close = fake_close,
 };
 
