@@ -84,7 +84,7 @@ void biss_bench_wait(struct biss_bench *b, dg_ns wait)
 
 /* --- given, shaft, world, power ------------------------------------------------------------ */
 
-static bool power_on(struct biss_bench *b, bool init_over, struct cf_report *report)
+static bool start_slaves(struct biss_bench *b, bool init_over, struct cf_report *report)
 {
     dg_ns init = 0;
 
@@ -103,6 +103,42 @@ static bool power_on(struct biss_bench *b, bool init_over, struct cf_report *rep
     return true;
 }
 
+/* Whether an encoder in place of the one that a row names has this figure. Its serial number is a
+   matter of the row. */
+static bool has_figure(const struct dg_biss_model *own, const struct dg_biss_model *said,
+                       const char *word)
+{
+    const struct cf_figure *figure = cf_find_figure(model_figures, word, strcspn(word, "="));
+
+    return figure->offset == offsetof(struct dg_biss_model, serial) ||
+           memcmp((const uint8_t *)own + figure->offset, (const uint8_t *)said + figure->offset,
+                  figure->size) == 0;
+}
+
+/* What the words behind the model say of it. */
+static bool take_biss_figures(struct dg_biss_model *model, char **words, size_t n,
+                              struct cf_report *report)
+{
+    const struct cf_biss_trial *trial = biss_trial();
+
+    if (trial->model != NULL) {
+        *model = *trial->model;
+    }
+    for (size_t i = 2; i < n; i++) {
+        if (strcmp(words[i], "window") == 0) {
+            continue;
+        }
+        if (!cf_set_figure(model_figures, model, words[i])) {
+            return cf_fail(report, "no such figure: %s", words[i]);
+        }
+        if (trial->model != NULL && !has_figure(trial->model, model, words[i])) {
+            return cf_fail(report, "about other figures: %s", words[i]);
+        }
+    }
+    model->serial = trial->placed ? trial->model->serial : model->serial;
+    return true;
+}
+
 /* Adds a slave behind those that are there: farther from the master. */
 static bool add_slave(struct biss_bench *b, char **words, size_t n, struct cf_report *report)
 {
@@ -115,11 +151,8 @@ static bool add_slave(struct biss_bench *b, char **words, size_t n, struct cf_re
         return cf_fail(report, "no such model, or too many slaves");
     }
     slave->model = *dg_biss_model_of(device);
-    for (size_t i = 2; i < n; i++) {
-        if (strcmp(words[i], "window") != 0 &&
-            !cf_set_figure(model_figures, &slave->model, words[i])) {
-            return cf_fail(report, "no such figure: %s", words[i]);
-        }
+    if (!take_biss_figures(&slave->model, words, n, report)) {
+        return false;
     }
     cf_memory_init(&slave->nvm, dg_store_size(&dg_biss_layout));
     setup.nvm = cf_memory_port(&slave->nvm);
@@ -134,27 +167,52 @@ static bool add_slave(struct biss_bench *b, char **words, size_t n, struct cf_re
     return true;
 }
 
+/* A real encoder has had zeros before the row begins: it would take the next CDM for a start bit. */
+static void clock_zeros(struct biss_bench *b)
+{
+    for (unsigned i = 0; biss_trial()->placed && i < DG_BISS_ZEROS; i++) {
+        struct biss_frame frame;
+
+        biss_master_frame(&b->master, &frame, false);
+    }
+}
+
 /* given MODEL figure=value... [window] */
 bool biss_bench_given(void *ctx, char **words, size_t n, struct cf_report *report)
 {
     struct biss_bench *b = ctx;
     bool window = n > 1 && strcmp(words[n - 1], "window") == 0;
 
-    return add_slave(b, words, n, report) && power_on(b, !window, report);
+    if (!biss_need(window ? CF_EXACT : 0u, report) || !add_slave(b, words, n, report)) {
+        return false;
+    }
+    if (biss_trial()->placed) {
+        b->from = biss_trial()->raw * (DG_TURN >> b->slaves[0].model.singleturn_bits);
+    }
+    if (!start_slaves(b, !window, report)) {
+        return false;
+    }
+    clock_zeros(b);
+    return true;
 }
 
 /* behind MODEL figure=value...: all power up anew */
 bool biss_bench_behind(void *ctx, char **words, size_t n, struct cf_report *report)
 {
     struct biss_bench *b = ctx;
-    return add_slave(b, words, n, report) && power_on(b, true, report);
+    return add_slave(b, words, n, report) && start_slaves(b, true, report);
 }
 
 bool biss_bench_power(void *ctx, char **words, size_t n, struct cf_report *report)
 {
     struct biss_bench *b = ctx;
-    if (n > 1 && strcmp(words[1], "on") == 0) {
-        return power_on(b, n == 2, report);
+    const bool on = n > 1 && strcmp(words[1], "on") == 0;
+
+    if (!biss_need(n > 2 ? CF_EXACT : 0u, report) || !biss_power_beside(on, report)) {
+        return false;
+    }
+    if (on) {
+        return start_slaves(b, n == 2, report);
     }
     for (size_t i = 0; i < b->chain.count; i++) {
         dg_biss_power_off(&b->slaves[i].device);
@@ -164,12 +222,20 @@ bool biss_bench_power(void *ctx, char **words, size_t n, struct cf_report *repor
     return true;
 }
 
-/* pos N: counts of the first slave, multiturn and singleturn */
+/* pos N: counts of the first slave, multiturn and singleturn. A real shaft is where it is, which is as
+   good a place as that of a row; but it is not turned. */
 bool biss_bench_pos(void *ctx, char **words, size_t n, struct cf_report *report)
 {
     struct biss_bench *b = ctx;
     if (n != 2) {
         return cf_fail(report, "pos N");
+    }
+    if (!biss_need(b->asked || b->turned ? CF_SHAFT : 0u, report)) {
+        return false;
+    }
+    b->turned = true;
+    if (biss_trial()->placed) {
+        return true;
     }
     b->from = strtoll(words[1], NULL, 0) * (DG_TURN >> b->slaves[0].model.singleturn_bits);
     b->since = b->master.now;
@@ -202,8 +268,8 @@ bool biss_bench_after(void *ctx, char **words, size_t n, struct cf_report *repor
     struct biss_bench *b = ctx;
     dg_ns wait = n == 2 ? biss_bench_span(words[1]) : 0;
 
-    biss_bench_wait(b, wait);
-    return wait > 0 || cf_fail(report, "wait 5ms, 300us or 100ns");
+    return wait > 0 ? biss_wait_beside(b, wait, report)
+                    : cf_fail(report, "wait 5ms, 300us or 100ns");
 }
 
 /* damage REGION OFFSET: a bit that changes by itself */
@@ -224,10 +290,20 @@ bool biss_bench_damage(void *ctx, char **words, size_t n, struct cf_report *repo
 
 /* --- the master's settings ----------------------------------------------------------------- */
 
+/* A real master goes on as it does; a stray CDM bit is one of an access. */
+static bool need_master(char **words, size_t n, struct cf_report *report)
+{
+    const bool stray = n == 2 && strcmp(words[1], "stray") == 0;
+    return biss_need(stray ? 0u : CF_EXACT, report);
+}
+
 /* master period=100ns jitter=25 extra=3 stray channels=0 disturbed=3 first */
 bool biss_bench_master(void *ctx, char **words, size_t n, struct cf_report *report)
 {
     struct biss_bench *b = ctx;
+    if (!need_master(words, n, report)) {
+        return false;
+    }
     for (size_t i = 1; i < n; i++) {
         const char *value = strchr(words[i], '=');
         unsigned long figure = value != NULL ? strtoul(value + 1, NULL, 10) : 0;
@@ -260,6 +336,12 @@ void biss_bench_begin(struct biss_bench *b)
     memset(b, 0, sizeof *b);
     b->deadline = DG_NEVER;
     biss_master_init(&b->master, line, DG_S(1));
+    if (biss_trial()->period_ns > 0) {
+        b->master.period_ns = biss_trial()->period_ns;
+    }
+    if (biss_trial()->timeout_max > 0) {
+        b->master.timeout_max = biss_trial()->timeout_max;
+    }
     dg_world_init(&b->world);
     b->world.angle = biss_bench_angle;
     b->world.angle_ctx = b;

@@ -8,14 +8,14 @@
 #define BUSY_S_MAX DG_US(40)
 #define TIMEOUT_MAX DG_US(40)
 #define BUSY_R_MAX DG_MS(20)
-/* SL is looked at this often while MA is held. */
-#define POLL_NS 20u
+/* So often SL is looked at in the longest timeout: every 20 ns, unless the line is slow. */
+#define POLLS 2000u
 #define SILENT_FRAMES 14u
 
 /* --- check sums ---------------------------------------------------------------------------- */
 
 /* Long division, bit by bit, of the message times x^width. */
-static uint8_t divide(const char *bits, size_t n, unsigned polynomial, unsigned width)
+static uint8_t divide_bits(const char *bits, size_t n, unsigned polynomial, unsigned width)
 {
     unsigned remainder = 0;
 
@@ -30,15 +30,15 @@ static uint8_t divide(const char *bits, size_t n, unsigned polynomial, unsigned 
 
 uint8_t biss_crc4(const char *bits, size_t n)
 {
-    return divide(bits, n, 0x13u, 4);
+    return divide_bits(bits, n, 0x13u, 4);
 }
 
 uint8_t biss_crc6(const char *bits, size_t n)
 {
-    return divide(bits, n, 0x43u, 6);
+    return divide_bits(bits, n, 0x43u, 6);
 }
 
-static uint64_t number(const char *bits, size_t n)
+static uint64_t value_of_bits(const char *bits, size_t n)
 {
     uint64_t value = 0;
 
@@ -67,6 +67,7 @@ void biss_master_init(struct biss_master *self, struct biss_line line, dg_ns now
     self->line = line;
     self->now = now;
     self->period_ns = 1000;
+    self->timeout_max = TIMEOUT_MAX;
     self->ma = true;
     self->sl = true;
     self->noise = 1;
@@ -113,11 +114,11 @@ static void decode(const struct biss_channel *channel, const char *bits, struct 
     size_t position = (size_t)channel->mt_bits + channel->st_bits;
     size_t data = position + 2u + channel->lc_bits;
 
-    word->position = number(bits, position);
+    word->position = value_of_bits(bits, position);
     word->n_error = bits[position] == '1';
     word->n_warning = bits[position + 1] == '1';
-    word->lc = (uint8_t)number(bits + position + 2, channel->lc_bits);
-    word->crc = (uint8_t)number(bits + data, 6);
+    word->lc = (uint8_t)value_of_bits(bits + position + 2, channel->lc_bits);
+    word->crc = (uint8_t)value_of_bits(bits + data, 6);
     word->crc_good = (biss_crc6(bits, data) ^ word->crc) == 0x3Fu;
 }
 
@@ -193,15 +194,20 @@ static void record(struct biss_master *self, bool cdm, bool cds)
     }
 }
 
-static bool is_good(const struct biss_master *self, const struct biss_frame *frame)
+/* What is wrong with a frame that has ended, in words; NULL: nothing. */
+static const char *fault_of(const struct biss_master *self, const struct biss_frame *frame)
 {
-    bool good = frame->acknowledged && frame->started && frame->stopped && frame->timed_out &&
-                frame->falling_changes == 0;
+    const char *fault = !frame->acknowledged         ? "no Ack"
+                        : !frame->started            ? "no start bit within 40 us"
+                        : frame->falling_changes > 0 ? "SL changes between rising edges"
+                        : !frame->stopped            ? "no 0 after the CRC"
+                        : !frame->timed_out          ? "no end of the timeout"
+                                                     : NULL;
 
-    for (size_t i = 0; i < self->channel_count; i++) {
-        good = good && frame->words[i].crc_good;
+    for (size_t i = 0; fault == NULL && i < self->channel_count; i++) {
+        fault = frame->words[i].crc_good ? NULL : "wrong CRC";
     }
-    return good;
+    return fault;
 }
 
 void biss_master_end(struct biss_master *self, struct biss_frame *frame, bool cdm)
@@ -212,8 +218,8 @@ void biss_master_end(struct biss_master *self, struct biss_frame *frame, bool cd
         (void)biss_master_edge(self, false);
     }
     last = self->now;
-    while (!self->sl && self->now < last + TIMEOUT_MAX) {
-        self->now += POLL_NS;
+    while (!self->sl && self->now < last + self->timeout_max) {
+        self->now += self->timeout_max / POLLS;
         self->sl = self->line.sl(self->line.ctx, self->now);
     }
     frame->timed_out = self->sl;
@@ -223,7 +229,10 @@ void biss_master_end(struct biss_master *self, struct biss_frame *frame, bool cd
     }
     self->now += self->period_ns;
     self->sl = self->line.sl(self->line.ctx, self->now);
-    self->bad_frames += is_good(self, frame) ? 0u : 1u;
+    const char *fault = fault_of(self, frame);
+    self->bad_frames += fault != NULL ? 1u : 0u;
+    self->fault = fault != NULL ? fault : self->fault;
+    self->frames++;
     record(self, cdm, frame->cds);
 }
 
@@ -263,7 +272,7 @@ void biss_master_bits(struct biss_master *self, const char *cdm)
 }
 
 /* Frames for the characters of `cdm`. @return their CDS as a number */
-static unsigned exchange(struct biss_master *self, const char *cdm)
+static unsigned exchange_frames(struct biss_master *self, const char *cdm)
 {
     struct biss_frame frame;
     unsigned cds = 0;
@@ -302,7 +311,7 @@ static uint16_t id_locks(unsigned cds)
 
 /* Repeats S until CDS brings it, then sends the first bit of the byte in the same frame.
  * @return whether it came */
-static bool wait_for_start(struct biss_master *self, struct biss_access *access, bool first_bit)
+static bool await_slave_start(struct biss_master *self, struct biss_access *access, bool first_bit)
 {
     dg_ns until = self->now + (access->patience > 0 ? access->patience : BUSY_R_MAX);
     struct biss_frame frame;
@@ -324,7 +333,7 @@ static bool wait_for_start(struct biss_master *self, struct biss_access *access,
  *  CDM   D7 D6 .. D0 C3 .. C0 P   S|0     (read: all 0)
  *  CDS   S  D7 .. D1 D0 C3.. C1 C0 P
  */
-static bool exchange_byte(struct biss_master *self, struct biss_access *access, bool more)
+static bool exchange_register_byte(struct biss_master *self, struct biss_access *access, bool more)
 {
     uint8_t data = access->data[access->done];
     char sent[16] = "000000000000";
@@ -336,7 +345,7 @@ static bool exchange_byte(struct biss_master *self, struct biss_access *access, 
 
         (void)spell(end, (biss_crc4(sent, 8) ^ 0xFu) ^ access->data_flips, 4);
     }
-    if (!wait_for_start(self, access, sent[0] == '1')) {
+    if (!await_slave_start(self, access, sent[0] == '1')) {
         return false;
     }
     /* Frames 20..31: CDM D6..D0, CRC, P; CDS D7..D0, CRC. */
@@ -344,10 +353,10 @@ static bool exchange_byte(struct biss_master *self, struct biss_access *access, 
         biss_master_frame(self, &frame, i < 11 && sent[i + 1] == '1');
         got[i] = frame.cds ? '1' : '0';
     }
-    access->data[access->done] = (uint8_t)number(got, 8);
-    access->crc_good =
-        access->crc_good && (access->write ? memcmp(got, sent, 12) == 0
-                                           : (biss_crc4(got, 8) ^ number(got + 8, 4)) == 0xFu);
+    access->data[access->done] = (uint8_t)value_of_bits(got, 8);
+    access->crc_good = access->crc_good &&
+                       (access->write ? memcmp(got, sent, 12) == 0
+                                      : (biss_crc4(got, 8) ^ value_of_bits(got + 8, 4)) == 0xFu);
     access->done++;
     biss_master_clock(self, &frame);
     access->stop = frame.cds;
@@ -364,7 +373,7 @@ static void exchange_address(struct biss_master *self, struct biss_access *acces
     end = spell(end, access->id & 7u, 3);
     end = spell(end, access->address & 0x7Fu, 7);
     (void)spell(end, (biss_crc4(sent + 1, 11) ^ 0xFu) ^ access->address_flips, 4);
-    access->idl = id_locks(exchange(self, sent));
+    access->idl = id_locks(exchange_frames(self, sent));
 }
 
 void biss_master_access(struct biss_master *self, struct biss_access *access)
@@ -379,15 +388,15 @@ void biss_master_access(struct biss_master *self, struct biss_access *access)
     memset(access->busy, 0, sizeof access->busy);
     silence(self, false);
     exchange_address(self, access);
-    (void)exchange(self, access->write ? "0" : "1");
-    access->r = exchange(self, access->write ? "1" : "0") != 0;
+    (void)exchange_frames(self, access->write ? "0" : "1");
+    access->r = exchange_frames(self, access->write ? "1" : "0") != 0;
     /* Frame 18 brings the echo of W and, when it is not inverted, takes S. */
     biss_master_clock(self, &frame);
     access->w = frame.cds;
     granted = access->r != access->w && access->w == access->write;
     biss_master_end(self, &frame, granted);
     while (granted && access->done < access->n) {
-        granted = exchange_byte(self, access, access->done + 1 < access->n);
+        granted = exchange_register_byte(self, access, access->done + 1 < access->n);
     }
 }
 

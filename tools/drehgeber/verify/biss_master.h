@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * A BiSS C master in virtual time, written from the protocol description alone: own frame logic,
- * own check sums. It drives MA, samples SL, and shares no code with the slaves it talks to.
+ * A BiSS C master, written from the protocol description alone: own frame logic, own check sums. It
+ * drives MA, samples SL, and shares no code with the slaves it talks to. Its time is virtual. A line
+ * that has a time of its own and is late moves `now` of its master on.
  *
  *         e1  e2  e3      eS  eS+1            last        timeout
  *   MA ‾\_/‾\_/‾\_/‾\_/‾\_/‾\_/‾\_/‾ ... ‾\_/‾\_/‾‾‾‾‾‾‾‾‾‾‾‾   CDM = 0
@@ -81,6 +82,7 @@ struct biss_master {
     struct biss_channel channels[BISS_SLAVES_MAX];
     unsigned disturbed; /**< the CDS bit of the n-th frame from now arrives inverted; 0: of none */
     bool stray; /**< a master that cannot answer in the same frame: CDM = 1 in frame 19 of a read */
+    dg_ns timeout_max; /**< how long it waits for SL behind a frame; 40 us, more on slow lines */
 
     /* state */
     bool ma;
@@ -91,6 +93,8 @@ struct biss_master {
     char cds[BISS_RECORD_MAX + 1];
     size_t recorded;
     unsigned bad_frames; /**< without Ack, start, stop, timeout, or with a bad CRC; counted up */
+    const char *fault;   /**< of the latest of these, in words */
+    unsigned frames;     /**< counted up */
 };
 
 /** A register access, and what came of it. */

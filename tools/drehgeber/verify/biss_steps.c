@@ -2,41 +2,19 @@
 /*
  * Steps of the S36 with BiSS: frames and control frames, in virtual time. The table at the end
  * lists all steps; biss.rows explains them. Everything goes over MA and SL, through the reference
- * master; at the end of every row each frame it saw must have been a good one.
+ * master; at the end of every row each frame it saw must have been a good one. A real encoder beside
+ * the model is asked the same, and judged by what the model has answered.
  */
 #include <stdlib.h>
 #include <string.h>
 
 #include "biss_bench.h"
 
-#define BITS_MAX 1000u
+#define BITS_MAX CF_BISS_FRAMES_MAX
 
 static struct biss_bench bench;
 
 /* --- lines and frames ---------------------------------------------------------------------- */
-
-/* Joins words[from..to) to one string of bits. */
-static void join(char *bits, char **words, size_t from, size_t to)
-{
-    size_t at = 0;
-
-    for (size_t i = from; i < to; i++) {
-        for (const char *c = words[i]; *c != '\0' && at < BITS_MAX; c++) {
-            bits[at++] = *c;
-        }
-    }
-    bits[at] = '\0';
-}
-
-static size_t find_equals(char **words, size_t n)
-{
-    size_t i = 1;
-
-    while (i < n && strcmp(words[i], "=") != 0) {
-        i++;
-    }
-    return i;
-}
 
 /* Equal where `want` is not x. */
 static bool bits_match(const char *want, const char *got)
@@ -48,16 +26,55 @@ static bool bits_match(const char *want, const char *got)
     return *want == *got;
 }
 
+/* Clock the frames of b->frames.cdm, and ask whoever is beside for the same. */
+static bool clock_all_frames(struct biss_bench *b, struct cf_report *report)
+{
+    if (!biss_ask(b, CF_BISS_FRAMES, &b->frames, sizeof b->frames, report)) {
+        return false;
+    }
+    cf_biss_clock(&b->master, &b->frames);
+    return true;
+}
+
+/* The same for a single one. */
+static bool clock_one_frame(struct biss_bench *b, bool cdm, struct cf_report *report)
+{
+    (void)snprintf(b->frames.cdm, sizeof b->frames.cdm, "%d", cdm ? 1 : 0);
+    b->frames.any[0] = '\0';
+    return clock_all_frames(b, report);
+}
+
+static bool judge_clocked(const struct biss_bench *b, bool matched, struct cf_report *report)
+{
+    const struct biss_said said = {&b->frames, sizeof b->frames, matched};
+
+    return biss_judge(b, CF_BISS_FRAMES, &said, report);
+}
+
+/* What a frame of an encoder that is somewhere else has in common with that of a row: its length, the
+   flags behind its position. */
+static bool flags_match(const struct biss_bench *b, const char *want, const char *got)
+{
+    const struct dg_biss_model *model = &b->slaves[0].model;
+    const size_t flags = 1u + model->multiturn_bits + model->singleturn_bits; /* behind CDS */
+    bool match = strlen(want) == strlen(got) && (want[0] == 'x' || want[0] == got[0]);
+
+    for (size_t i = flags; match && i < flags + 2u && want[i] != '\0'; i++) {
+        match = want[i] == 'x' || want[i] == got[i];
+    }
+    return match;
+}
+
 /* ma LEVELS = LEVELS: one edge each, half a period apart; SL behind each */
 static bool step_ma(void *ctx, char **words, size_t n, struct cf_report *report)
 {
     struct biss_bench *b = ctx;
-    size_t equals = find_equals(words, n);
+    size_t equals = cf_find_equals(words, n);
     char levels[BITS_MAX + 1];
     char want[BITS_MAX + 1];
 
-    join(levels, words, 1, equals);
-    join(want, words, equals + 1, n);
+    cf_join(levels, BITS_MAX + 1u, words, 1, equals);
+    cf_join(want, BITS_MAX + 1u, words, equals + 1, n);
     for (char *c = levels; *c != '\0'; c++) {
         *c = biss_master_edge(&b->master, *c == '1') ? '1' : '0';
     }
@@ -79,13 +96,19 @@ static bool step_sl(void *ctx, char **words, size_t n, struct cf_report *report)
 static bool step_frame(void *ctx, char **words, size_t n, struct cf_report *report)
 {
     struct biss_bench *b = ctx;
-    size_t equals = find_equals(words, n);
+    size_t equals = cf_find_equals(words, n);
     char want[BITS_MAX + 1];
     char got[BITS_MAX + 1];
 
-    biss_master_frame(&b->master, &b->frame, n > 1 && words[1][0] == '1');
-    join(want, words, equals + 1, n);
-    (void)snprintf(got, sizeof got, "%d%s", b->frame.cds ? 1 : 0, b->frame.bits);
+    if (!clock_one_frame(b, n > 1 && words[1][0] == '1', report)) {
+        return false;
+    }
+    cf_join(want, BITS_MAX + 1u, words, equals + 1, n);
+    (void)snprintf(got, sizeof got, "%d%s", b->frames.last.cds ? 1 : 0, b->frames.last.bits);
+    if (biss_has_beside()) {
+        const bool placed = biss_trial()->placed;
+        return judge_clocked(b, placed ? flags_match(b, want, got) : bits_match(want, got), report);
+    }
     return bits_match(want, got) ||
            cf_fail(report, "frame: expected %s\n    got             %s", want, got);
 }
@@ -97,18 +120,20 @@ static bool word_matches(struct biss_bench *b, const struct biss_word *word, siz
 {
     const unsigned st_bits = b->slaves[slave].model.singleturn_bits;
     const unsigned bits = st_bits + b->slaves[slave].model.multiturn_bits;
-    uint64_t latched = (uint64_t)(biss_bench_angle(b, b->frame.latch) >> (32u - st_bits)) &
+    uint64_t latched = (uint64_t)(biss_bench_angle(b, b->frames.last.latch) >> (32u - st_bits)) &
                        (((uint64_t)1 << bits) - 1u);
     const uint64_t got[4] = {word->position,
                              (word->n_error ? 0x10u : 0u) | (word->n_warning ? 1u : 0u), word->lc,
                              word->crc};
+    /* Of an encoder that is somewhere else only the flags are the row's. */
+    const bool placed = biss_trial()->placed;
     bool good = word->crc_good;
 
     for (size_t i = 0; i < 4 && *text != '\0'; i++) {
         size_t n = strcspn(text, ":");
         uint64_t want = strncmp(text, "latch", n) == 0 ? latched : strtoull(text, NULL, 16);
 
-        good = good && (*text == '*' || want == got[i]);
+        good = good && (*text == '*' || want == got[i] || (placed && i != 1));
         text += text[n] == ':' ? n + 1 : n;
     }
     return good;
@@ -124,24 +149,19 @@ static bool edge_matches(const char *text, unsigned edge)
     return edge >= first && edge <= last;
 }
 
-/* scd [@EDGE] WORD...: one frame with CDM = 0 */
-static bool step_scd(void *ctx, char **words, size_t n, struct cf_report *report)
+/* What is wrong with the words of the last frame. @return false after cf_fail() */
+static bool check_frame_words(struct biss_bench *b, char **words, size_t n,
+                              struct cf_report *report)
 {
-    struct biss_bench *b = ctx;
-    size_t first = n > 1 && words[1][0] == '@' ? 2 : 1;
-    const struct biss_frame *frame = &b->frame;
+    const struct biss_frame *frame = &b->frames.last;
 
-    biss_master_frame(&b->master, &b->frame, false);
-    if (first == 2 && !edge_matches(words[1] + 1, frame->start_edge)) {
-        return cf_fail(report, "start bit at e%u", frame->start_edge);
-    }
-    if (!frame->started || n - first != b->master.channel_count) {
+    if (!frame->started || n != b->master.channel_count) {
         return cf_fail(report, "%s", frame->started ? "one WORD per slave" : "no start bit");
     }
-    for (size_t i = 0; i + first < n; i++) {
+    for (size_t i = 0; i < n; i++) {
         const struct biss_word *word = &frame->words[i];
 
-        if (!word_matches(b, word, i, words[first + i])) {
+        if (!word_matches(b, word, i, words[i])) {
             return cf_fail(report, "slave %zu: got %llX:%d%d:%02X:%02X, CRC %s", i,
                            (unsigned long long)word->position, word->n_error ? 1 : 0,
                            word->n_warning ? 1 : 0, word->lc, word->crc,
@@ -151,14 +171,32 @@ static bool step_scd(void *ctx, char **words, size_t n, struct cf_report *report
     return true;
 }
 
+/* scd [@EDGE] WORD...: one frame with CDM = 0 */
+static bool step_scd(void *ctx, char **words, size_t n, struct cf_report *report)
+{
+    struct biss_bench *b = ctx;
+    const bool timed = n > 1 && words[1][0] == '@';
+    const size_t first = timed ? 2 : 1;
+
+    if (!biss_need(timed ? CF_EXACT : 0u, report) || !clock_one_frame(b, false, report)) {
+        return false;
+    }
+    const bool on_time = !timed || edge_matches(words[1] + 1, b->frames.last.start_edge);
+    const bool right = on_time ? check_frame_words(b, words + first, n - first, report)
+                               : cf_fail(report, "start bit at e%u", b->frames.last.start_edge);
+    return biss_has_beside() ? judge_clocked(b, right, report) : right;
+}
+
 /* timeout MIN MAX: of the last `scd` or `frame` */
 static bool step_timeout(void *ctx, char **words, size_t n, struct cf_report *report)
 {
     struct biss_bench *b = ctx;
-    bool good = n == 3 && b->frame.timed_out && b->frame.timeout >= biss_bench_span(words[1]) &&
-                b->frame.timeout <= biss_bench_span(words[2]);
+    bool good = n == 3 && b->frames.last.timed_out &&
+                b->frames.last.timeout >= biss_bench_span(words[1]) &&
+                b->frames.last.timeout <= biss_bench_span(words[2]);
 
-    return good || cf_fail(report, "timeout: got %llu ns", (unsigned long long)b->frame.timeout);
+    return good ||
+           cf_fail(report, "timeout: got %llu ns", (unsigned long long)b->frames.last.timeout);
 }
 
 /* bad N: of the frames so far, N were not good; they are forgiven */
@@ -180,49 +218,64 @@ static bool step_bad(void *ctx, char **words, size_t n, struct cf_report *report
 static bool step_zeros(void *ctx, char **words, size_t n, struct cf_report *report)
 {
     struct biss_bench *b = ctx;
-    for (unsigned long i = n == 2 ? strtoul(words[1], NULL, 10) : 0; i > 0; i--) {
-        struct biss_frame frame;
+    const unsigned long count = n == 2 ? strtoul(words[1], NULL, 10) : 0;
 
-        biss_master_frame(&b->master, &frame, false);
+    if (count == 0 || count > BITS_MAX) {
+        return cf_fail(report, "zeros N");
     }
-    return n == 2 || cf_fail(report, "zeros N");
+    memset(b->frames.cdm, '0', count);
+    b->frames.cdm[count] = '\0';
+    b->frames.any[0] = '\0';
+    return clock_all_frames(b, report) && (!biss_has_beside() || judge_clocked(b, true, report));
 }
 
 /* control CDM = CDS: one frame for each bit */
 static bool step_control(void *ctx, char **words, size_t n, struct cf_report *report)
 {
     struct biss_bench *b = ctx;
-    size_t equals = find_equals(words, n);
-    char cdm[BITS_MAX + 1];
+    size_t equals = cf_find_equals(words, n);
     char want[BITS_MAX + 1];
 
-    join(cdm, words, 1, equals);
-    join(want, words, equals + 1, n);
-    biss_master_record(&b->master);
-    biss_master_bits(&b->master, cdm);
-    return bits_match(want, b->master.cds) ||
-           cf_fail(report, "CDM %s:\n    expected %s\n    got      %s", cdm, want, b->master.cds);
+    cf_join(b->frames.cdm, BITS_MAX + 1u, words, 1, equals);
+    cf_join(want, BITS_MAX + 1u, words, equals + 1, n);
+    memcpy(b->frames.any, want, sizeof want);
+    if (!clock_all_frames(b, report)) {
+        return false;
+    }
+    const bool matched = bits_match(want, b->frames.cds);
+    if (biss_has_beside()) {
+        return judge_clocked(b, matched, report);
+    }
+    return matched || cf_fail(report, "CDM %s:\n    expected %s\n    got      %s", b->frames.cdm,
+                              want, b->frames.cds);
 }
 
 /* word HEX = CDS: 14 zeros, S, and the 31 bits of an address word */
 static bool step_word(void *ctx, char **words, size_t n, struct cf_report *report)
 {
     struct biss_bench *b = ctx;
+    static const char start[] = "000000000000001";
+    const size_t ahead = sizeof start - 2u; /* zeros */
     unsigned long value = n > 3 ? strtoul(words[1], NULL, 16) : 0;
-    char cdm[40] = "1";
+    char *cdm = b->frames.cdm;
     char want[BITS_MAX + 1];
 
+    memcpy(cdm, start, sizeof start);
     for (unsigned i = 0; i < 31; i++) {
-        cdm[1 + i] = (value >> (31u - i) & 1u) != 0 ? '1' : '0';
+        cdm[ahead + 1u + i] = (value >> (31u - i) & 1u) != 0 ? '1' : '0';
     }
-    cdm[32] = '0'; /* no further byte */
-    cdm[33] = '\0';
-    join(want, words, 3, n);
-    biss_master_bits(&b->master, "00000000000000");
-    biss_master_record(&b->master);
-    biss_master_bits(&b->master, cdm);
-    return bits_match(want, b->master.cds) ||
-           cf_fail(report, "word: expected %s\n    got            %s", want, b->master.cds);
+    memcpy(cdm + ahead + 32u, "0", 2); /* no further byte */
+    cf_join(want, BITS_MAX + 1u, words, 3, n);
+    (void)snprintf(b->frames.any, sizeof b->frames.any, "%.*s%.40s", (int)ahead, start, want);
+    if (!clock_all_frames(b, report)) {
+        return false;
+    }
+    const char *cds = b->frames.cds + ahead;
+    if (biss_has_beside()) {
+        return judge_clocked(b, bits_match(want, cds), report);
+    }
+    return bits_match(want, cds) ||
+           cf_fail(report, "word: expected %s\n    got            %s", want, cds);
 }
 
 /* What an access must come to. */
@@ -304,8 +357,8 @@ static bool set_keyword(struct outcome *outcome, const char *word)
     return false;
 }
 
-static bool parse_access(struct biss_access *access, struct outcome *outcome, char **words,
-                         size_t n)
+static bool parse_access_words(struct biss_access *access, struct outcome *outcome, char **words,
+                               size_t n)
 {
     bool have_address = false;
     bool good = true;
@@ -338,7 +391,9 @@ static const char *check_bytes(const struct biss_access *got, const struct outco
         return "wrong CRC or echo";
     }
     for (size_t i = 0; i < want->n; i++) {
-        if (got->data[i] < want->low[i] || got->data[i] > want->high[i]) {
+        const bool own = biss_trial()->placed && cf_biss_is_own((uint8_t)(got->address + i));
+
+        if (!own && (got->data[i] < want->low[i] || got->data[i] > want->high[i])) {
             return "wrong data";
         }
     }
@@ -346,14 +401,13 @@ static const char *check_bytes(const struct biss_access *got, const struct outco
 }
 
 /* @return what is wrong, or NULL */
-static const char *check_access(const struct biss_bench *b, const struct outcome *want)
+static const char *check_outcome(const struct biss_bench *b, const struct outcome *want)
 {
-    const struct biss_access *got = &b->access;
+    const struct biss_access *got = &b->access.access;
     bool refused = got->r == got->w;
 
     if (want->silent) {
-        /* Nothing at all behind the ID locks. */
-        return strchr(b->master.cds + 10, '1') == NULL ? NULL : "not silent";
+        return b->access.heard ? "not silent" : NULL;
     }
     if (refused != want->refused || (refused && got->r == got->write)) {
         return "wrong echo of RW";
@@ -370,17 +424,26 @@ static bool step_access(void *ctx, char **words, size_t n, struct cf_report *rep
 {
     struct biss_bench *b = ctx;
     struct outcome want = {.n = 0};
-    const struct biss_access *got = &b->access;
+    const struct biss_access *got = &b->access.access;
     const char *wrong;
     char hex[4 * BISS_SEQUENCE_MAX] = "";
 
     memset(&b->access, 0, sizeof b->access);
-    b->access.write = words[0][0] == 'w';
-    if (!parse_access(&b->access, &want, words, n)) {
+    b->access.access.write = words[0][0] == 'w';
+    b->access.stray = b->master.stray;
+    b->access.bank = b->slaves[0].device.bank;
+    if (!parse_access_words(&b->access.access, &want, words, n)) {
         return cf_fail(report, "read|write ADDRESS BYTES");
     }
-    biss_master_access(&b->master, &b->access);
-    wrong = check_access(b, &want);
+    if (!biss_ask(b, CF_BISS_ACCESS, &b->access, sizeof b->access, report)) {
+        return false;
+    }
+    cf_biss_access(&b->master, &b->access);
+    wrong = check_outcome(b, &want);
+    if (biss_has_beside()) {
+        return biss_judge(b, CF_BISS_ACCESS,
+                          &(struct biss_said){&b->access, sizeof b->access, wrong == NULL}, report);
+    }
     for (size_t i = 0; i < got->done; i++) {
         (void)snprintf(hex + 3 * i, 4, " %02X", got->data[i]);
     }
@@ -397,9 +460,10 @@ static bool step_busy(void *ctx, char **words, size_t n, struct cf_report *repor
     struct biss_bench *b = ctx;
     unsigned long at = n == 4 ? strtoul(words[1], NULL, 10) % BISS_SEQUENCE_MAX : 0;
 
-    if (n != 4 || b->access.busy[at] < strtoul(words[2], NULL, 10) ||
-        b->access.busy[at] > strtoul(words[3], NULL, 10)) {
-        return cf_fail(report, "busy for %u frames", b->access.busy[at]);
+    const unsigned busy = b->access.access.busy[at];
+
+    if (n != 4 || busy < strtoul(words[2], NULL, 10) || busy > strtoul(words[3], NULL, 10)) {
+        return cf_fail(report, "busy for %u frames", busy);
     }
     return true;
 }
@@ -408,8 +472,9 @@ static bool step_busy(void *ctx, char **words, size_t n, struct cf_report *repor
 static bool step_idl(void *ctx, char **words, size_t n, struct cf_report *report)
 {
     struct biss_bench *b = ctx;
-    return (n == 2 && b->access.idl == strtoul(words[1], NULL, 16)) ||
-           cf_fail(report, "idl: got %03X", b->access.idl);
+    const uint16_t idl = b->access.access.idl;
+
+    return (n == 2 && idl == strtoul(words[1], NULL, 16)) || cf_fail(report, "idl: got %03X", idl);
 }
 
 /* command [reduced] ids=HEX code=N [ex=0] [flip=HEX] = IDL IDA */
@@ -417,7 +482,7 @@ static bool step_command(void *ctx, char **words, size_t n, struct cf_report *re
 {
     struct biss_bench *b = ctx;
     struct biss_command command = {.execute = true};
-    size_t equals = find_equals(words, n);
+    size_t equals = cf_find_equals(words, n);
 
     for (size_t i = 1; i < equals; i++) {
         const char *value = strchr(words[i], '=');
@@ -430,9 +495,17 @@ static bool step_command(void *ctx, char **words, size_t n, struct cf_report *re
         command.crc_flips =
             strncmp(words[i], "flip=", 5) == 0 ? (uint8_t)figure : command.crc_flips;
     }
+    if (!biss_ask(b, CF_BISS_COMMAND, &command, sizeof command, report)) {
+        return false;
+    }
     biss_master_command(&b->master, &command);
-    if (n != equals + 3 || command.idl != strtoul(words[equals + 1], NULL, 16) ||
-        command.ida != strtoul(words[equals + 2], NULL, 16)) {
+    const bool matched = n == equals + 3 && command.idl == strtoul(words[equals + 1], NULL, 16) &&
+                         command.ida == strtoul(words[equals + 2], NULL, 16);
+    if (biss_has_beside()) {
+        return biss_judge(b, CF_BISS_COMMAND,
+                          &(struct biss_said){&command, sizeof command, matched}, report);
+    }
+    if (!matched) {
         return cf_fail(report, "command: got IDL %03X IDA %02X\n    CDM %s\n    CDS %s",
                        command.idl, command.ida, b->master.cdm, b->master.cds);
     }
@@ -443,14 +516,18 @@ static bool step_command(void *ctx, char **words, size_t n, struct cf_report *re
 
 /* clang-format off */
 static const struct cf_step steps[] = {
-    {"given",   biss_bench_given,   false, 0}, {"behind",  biss_bench_behind,  false, 0}, {"power",  biss_bench_power,  false, 0},
-    {"pos",     biss_bench_pos,     false, 0}, {"rpm",     biss_bench_rpm,     false, 0}, {"world",  biss_bench_world,  false, 0},
-    {"wait",    biss_bench_after,    false, 0}, {"damage",  biss_bench_damage,  false, 0}, {"master", biss_bench_master, false, 0},
-    {"zeros",   step_zeros,   false, 0}, {"ma",      step_ma,      true, 0},  {"sl",     step_sl,     true, 0},
-    {"frame",   step_frame,   true, 0},  {"scd",     step_scd,     true, 0},  {"bad",    step_bad,    true, 0},
-    {"timeout", step_timeout, true, 0},  {"control", step_control, true, 0},  {"word",   step_word,   true, 0},
-    {"read",    step_access,  true, 0},  {"write",   step_access,  true, 0},  {"busy",   step_busy,   true, 0},
-    {"idl",     step_idl,     true, 0},  {"command", step_command, true, 0},
+    {"given",   biss_bench_given,  false, 0},         {"behind",  biss_bench_behind, false, CF_RING},
+    {"power",   biss_bench_power,  false, CF_POWER},  {"pos",     biss_bench_pos,    false, 0},
+    {"rpm",     biss_bench_rpm,    false, CF_SHAFT},  {"world",   biss_bench_world,  false, CF_INSIDE},
+    {"wait",    biss_bench_after,  false, 0},         {"damage",  biss_bench_damage, false, CF_INSIDE},
+    {"master",  biss_bench_master, false, 0},         {"zeros",   step_zeros,        false, 0},
+    {"ma",      step_ma,           true,  CF_EXACT},  {"sl",      step_sl,           true,  CF_EXACT},
+    {"frame",   step_frame,        true,  0},         {"scd",     step_scd,          true,  0},
+    {"bad",     step_bad,          true,  CF_EXACT},  {"timeout", step_timeout,      true,  CF_EXACT},
+    {"control", step_control,      true,  0},         {"word",    step_word,         true,  0},
+    {"read",    step_access,       true,  0},         {"write",   step_access,       true,  0},
+    {"busy",    step_busy,         true,  CF_EXACT},  {"idl",     step_idl,          true,  0},
+    {"command", step_command,      true,  0},
 };
 /* clang-format on */
 

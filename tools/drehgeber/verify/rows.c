@@ -27,6 +27,28 @@ size_t cf_split(char *text, char **words, size_t max)
     return n;
 }
 
+void cf_join(char *to, size_t size, char **words, size_t from, size_t end)
+{
+    size_t at = 0;
+
+    for (size_t i = from; i < end; i++) {
+        for (const char *c = words[i]; *c != '\0' && at + 1u < size; c++) {
+            to[at++] = *c;
+        }
+    }
+    to[at] = '\0';
+}
+
+size_t cf_find_equals(char **words, size_t n)
+{
+    size_t i = 1;
+
+    while (i < n && strcmp(words[i], "=") != 0) {
+        i++;
+    }
+    return i;
+}
+
 /* --- reading ------------------------------------------------------------------------------- */
 
 static char *read_file(const char *name)

@@ -158,6 +158,12 @@ bool cf_fail(struct cf_report *report, const char *format, ...);
 /** Split `text` at blanks, in place. @return number of words, at most `max` */
 size_t cf_split(char *text, char **words, size_t max);
 
+/** Join words[from..end) to one text, as much as `size` bytes have room for. */
+void cf_join(char *to, size_t size, char **words, size_t from, size_t end);
+
+/** Where `=` stands behind the verb, or `n`. */
+size_t cf_find_equals(char **words, size_t n);
+
 /** The kind of step that `text` begins with, or NULL. */
 const struct cf_step *cf_find_step(const struct cf_device *device, const char *text);
 

@@ -1,17 +1,22 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Steps of an encoder with SSI, in virtual time. The table at the end lists all steps; ssi.rows
- * explains them. Data must never have moved on a falling edge when a row is over.
+ * explains them. Data must never have moved on a falling edge when a row is over. A real encoder
+ * beside the model is asked the same, and judged by what the model has answered.
  */
+#include "ssi_steps.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "drehgeber/devices.h"
-#include "rows.h"
 #include "ssi_rig.h"
 
-#define BITS_MAX 400u
+#define BITS_MAX CF_SSI_BITS_MAX
+/* Between words, and between edges of a step. */
+#define PAUSE DG_US(100)
+#define EDGE 500u
 
 /* Everything; plain data that begin() sets up. */
 struct bench {
@@ -19,9 +24,95 @@ struct bench {
     int64_t from; /* the shaft: angle at `since`, and its speed */
     dg_ns since;
     int64_t rpm;
+    struct cf_ssi_look look; /* the last one */
+    unsigned pulses;         /* since the position was stored */
+    bool asked;              /* the row has looked at the wire */
+    bool turned;             /* the row has said where the shaft is */
 };
 
 static struct bench bench;
+static struct cf_ssi_trial trial;
+
+/* --- beside the model ---------------------------------------------------------------------- */
+
+void cf_ssi_try(const struct cf_ssi_trial *wanted)
+{
+    trial = wanted != NULL ? *wanted : (struct cf_ssi_trial){.model = NULL};
+}
+
+static bool has_real_one(void)
+{
+    return trial.beside.ops != NULL;
+}
+
+static bool need_of_real(unsigned needs, struct cf_report *report)
+{
+    return !has_real_one() || needs == 0 ||
+           trial.beside.ops->needs(trial.beside.ctx, needs, report);
+}
+
+int cf_ssi_bit(const struct cf_ssi_look *look, const struct dg_ssi_model *model, size_t at)
+{
+    const unsigned bits = dg_ssi_word_bits(model);
+    unsigned pulses = look->phase;
+    bool low = look->low;
+
+    if (look->clock[0] == '\0') {
+        pulses += look->pulses > 0 ? (unsigned)at + 1u : 0u;
+    }
+    for (size_t i = 0; i <= at && look->clock[i] != '\0'; i++) {
+        pulses += low && look->clock[i] == '1' ? 1u : 0u;
+        low = look->clock[i] == '0';
+    }
+    if (pulses == 0) {
+        return -1;
+    }
+    return (int)(model->once && pulses > bits ? bits : (pulses - 1u) % (bits + 1u));
+}
+
+/* What is to be looked at, to whoever is asked the same. The model is looked at next. */
+static bool ask_look(struct bench *b, enum cf_ssi_kind kind, struct cf_report *report)
+{
+    const struct cf_unit unit = {
+        .id = (uint16_t)kind, .bytes = (const uint8_t *)&b->look, .n = sizeof b->look};
+
+    b->asked = true;
+    b->pulses = b->rig.device.state == DG_SSI_SHIFT ? b->pulses : 0;
+    b->look.phase = b->pulses;
+    b->look.low = !b->rig.device.clock;
+    return !has_real_one() || trial.beside.ops->sent(trial.beside.ctx, &unit, report);
+}
+
+/* Whether data is what the row expects; of an encoder that is somewhere else all but the position,
+   and the parity that goes with it. */
+static bool data_match(const struct bench *b, const char *want)
+{
+    const struct dg_ssi_model *model = &b->rig.model;
+    const int position = model->multiturn_bits + model->singleturn_bits;
+    const int parity =
+        model->parity != DG_SSI_PARITY_NONE ? dg_ssi_word_bits(model) - 1 : position - 1;
+    const char *got = b->look.data;
+    bool match = strlen(want) == strlen(got);
+
+    for (size_t i = 0; match && want[i] != '\0'; i++) {
+        const int bit = cf_ssi_bit(&b->look, model, i);
+        const bool own = trial.placed && bit >= 0 && (bit < position || bit == parity);
+        match = own || want[i] == 'x' || want[i] == got[i];
+    }
+    return match;
+}
+
+/* @return whether the row goes on, which with nobody beside the model is what `matched` says */
+static bool end_look(const struct bench *b, enum cf_ssi_kind kind, bool matched,
+                     struct cf_report *report)
+{
+    const struct cf_unit got = {
+        .id = (uint16_t)kind, .bytes = (const uint8_t *)&b->look, .n = sizeof b->look};
+    const struct cf_answer answer = {.want = matched ? got : (struct cf_unit){.bytes = NULL},
+                                     .got = got};
+
+    return trial.beside.ops->answered(trial.beside.ctx, &answer, report);
+}
 
 /* --- words of a step ----------------------------------------------------------------------- */
 
@@ -42,46 +133,22 @@ static bool span_of(const char *word, dg_ns *span)
     return false;
 }
 
-/* Joins words[from..to) to one string of bits. */
-static void join(char *bits, char **words, size_t from, size_t to)
+/* `n` pulses, and then the time between words, or not: data is in b->look.data. @return false after
+   cf_fail() */
+static bool take_pulses(struct bench *b, size_t n, bool rests, struct cf_report *report)
 {
-    size_t at = 0;
-
-    for (size_t i = from; i < to; i++) {
-        for (const char *c = words[i]; *c != '\0' && at < BITS_MAX; c++) {
-            bits[at++] = *c;
-        }
+    b->look = (struct cf_ssi_look){.pulses = (unsigned)n, .rests = rests};
+    if (!ask_look(b, CF_SSI_PULSES, report)) {
+        return false;
     }
-    bits[at] = '\0';
-}
-
-static size_t find_equals(char **words, size_t n)
-{
-    size_t i = 1;
-
-    while (i < n && strcmp(words[i], "=") != 0) {
-        i++;
-    }
-    return i;
-}
-
-/* Equal where `want` is not x. */
-static bool bits_match(const char *want, const char *got)
-{
-    while (*want != '\0' && *got != '\0' && (*want == 'x' || *want == *got)) {
-        want++;
-        got++;
-    }
-    return *want == *got;
-}
-
-/* Bits that come now, as text. */
-static void take_bits(struct bench *b, size_t n, char *bits)
-{
     for (size_t i = 0; i < n; i++) {
-        bits[i] = ssi_rig_take(&b->rig, 1) != 0 ? '1' : '0';
+        b->look.data[i] = ssi_rig_take(&b->rig, 1) != 0 ? '1' : '0';
     }
-    bits[n] = '\0';
+    b->pulses += (unsigned)n;
+    if (rests) {
+        (void)ssi_rig_wait(&b->rig, PAUSE + 16u * trial.half_ns);
+    }
+    return true;
 }
 
 /* --- given, shaft, world, power ------------------------------------------------------------ */
@@ -97,7 +164,7 @@ static dg_angle angle(void *ctx, dg_ns now)
 }
 
 /* A word for a number of its own, or a number. */
-static uint64_t number(const char *text)
+static uint64_t figure_of_word(const char *text)
 {
     static const char *const words[][4] = {
         {"gray", "binary"}, {"none", "high", "low"}, {"none", "even", "odd"}};
@@ -113,7 +180,7 @@ static uint64_t number(const char *text)
 }
 
 /* figure=value @return false when there is none of that name */
-static bool set_figure(struct dg_ssi_model *model, const char *word)
+static bool set_ssi_figure(struct dg_ssi_model *model, const char *word)
 {
     const char *equals = strchr(word, '=');
     const struct {
@@ -129,7 +196,7 @@ static bool set_figure(struct dg_ssi_model *model, const char *word)
     };
 
     for (size_t i = 0; equals != NULL && i < DG_COUNT(rows); i++) {
-        const uint64_t value = number(equals + 1);
+        const uint64_t value = figure_of_word(equals + 1);
 
         if (strlen(rows[i].name) != (size_t)(equals - word) ||
             strncmp(rows[i].name, word, strlen(rows[i].name)) != 0) {
@@ -147,6 +214,15 @@ static bool set_figure(struct dg_ssi_model *model, const char *word)
     return false;
 }
 
+/* Whether an encoder in place of the one that a row names has these figures. */
+static bool has_figures(const struct dg_ssi_model *own, const struct dg_ssi_model *said)
+{
+    return own->multiturn_bits == said->multiturn_bits &&
+           own->singleturn_bits == said->singleturn_bits && own->code == said->code &&
+           own->error_bit == said->error_bit && own->parity == said->parity &&
+           own->once == said->once && own->monoflop == said->monoflop && own->init == said->init;
+}
+
 /* MODEL figure=value... [window] @return false when there is no such model or figure */
 static bool find_model(struct dg_ssi_model *model, char **words, size_t n, struct cf_report *report)
 {
@@ -159,13 +235,14 @@ static bool find_model(struct dg_ssi_model *model, char **words, size_t n, struc
     if (at == 3) {
         return cf_fail(report, "no such model");
     }
-    *model = *dg_ssi_model_of(devices[at]);
+    *model = trial.model != NULL ? *trial.model : *dg_ssi_model_of(devices[at]);
     for (size_t i = 2; i < n; i++) {
-        if (strcmp(words[i], "window") != 0 && !set_figure(model, words[i])) {
+        if (strcmp(words[i], "window") != 0 && !set_ssi_figure(model, words[i])) {
             return cf_fail(report, "no such figure: %s", words[i]);
         }
     }
-    return true;
+    return trial.model == NULL || has_figures(trial.model, model) ||
+           cf_fail(report, "about other figures");
 }
 
 static void power_on(struct bench *b, bool window)
@@ -181,9 +258,10 @@ static void power_on(struct bench *b, bool window)
 static bool step_given(void *ctx, char **words, size_t n, struct cf_report *report)
 {
     struct bench *b = ctx;
+    const bool window = strcmp(words[n - 1], "window") == 0;
     struct dg_ssi_model model;
 
-    if (!find_model(&model, words, n, report)) {
+    if (!need_of_real(window ? CF_EXACT : 0u, report) || !find_model(&model, words, n, report)) {
         return false;
     }
     *b = (struct bench){.rpm = 0};
@@ -192,7 +270,10 @@ static bool step_given(void *ctx, char **words, size_t n, struct cf_report *repo
     }
     b->rig.world.angle = angle;
     b->rig.world.angle_ctx = b;
-    power_on(b, strcmp(words[n - 1], "window") == 0);
+    b->rig.low_ns = trial.half_ns > 0 ? trial.half_ns : b->rig.low_ns;
+    b->rig.high_ns = trial.half_ns > 0 ? trial.half_ns : b->rig.high_ns;
+    b->from = trial.placed ? trial.raw * (DG_TURN >> model.singleturn_bits) : 0;
+    power_on(b, window);
     return true;
 }
 
@@ -207,8 +288,8 @@ static bool step_refused(void *ctx, char **words, size_t n, struct cf_report *re
            (ssi_rig_init(&rig, &model) == DG_ERR_ARGUMENT || cf_fail(report, "is taken"));
 }
 
-/* pos N */
-static bool step_pos(void *ctx, char **words, size_t n, struct cf_report *report)
+/* at N: exactly there */
+static bool step_at(void *ctx, char **words, size_t n, struct cf_report *report)
 {
     struct bench *b = ctx;
 
@@ -216,6 +297,19 @@ static bool step_pos(void *ctx, char **words, size_t n, struct cf_report *report
     b->since = b->rig.now;
     b->rpm = 0;
     return n == 2 || cf_fail(report, "pos N");
+}
+
+/* pos N: a real shaft is where it is, which is as good a place as that of a row; but it is not
+   turned */
+static bool step_pos(void *ctx, char **words, size_t n, struct cf_report *report)
+{
+    struct bench *b = ctx;
+
+    if (!need_of_real(b->asked || b->turned ? CF_SHAFT : 0u, report)) {
+        return false;
+    }
+    b->turned = true;
+    return trial.placed || step_at(ctx, words, n, report);
 }
 
 /* rpm N */
@@ -296,8 +390,13 @@ static bool step_world(void *ctx, char **words, size_t n, struct cf_report *repo
 static bool step_power(void *ctx, char **words, size_t n, struct cf_report *report)
 {
     struct bench *b = ctx;
+    const bool on = n > 1 && strcmp(words[1], "on") == 0;
 
-    if (n > 1 && strcmp(words[1], "on") == 0) {
+    if (!need_of_real(n > 2 ? CF_EXACT : 0u, report) ||
+        (has_real_one() && !trial.beside.ops->powered(trial.beside.ctx, on, report))) {
+        return false;
+    }
+    if (on) {
         power_on(b, n == 3);
     } else {
         dg_ssi_power_off(&b->rig.device);
@@ -317,7 +416,7 @@ static bool step_master(void *ctx, char **words, size_t n, struct cf_report *rep
            cf_fail(report, "master low=T high=T");
 }
 
-/* wait T [L] */
+/* wait T [L]: data that is high later than that is as good, low data has to be looked at in time */
 static bool step_wait(void *ctx, char **words, size_t n, struct cf_report *report)
 {
     struct bench *b = ctx;
@@ -326,26 +425,49 @@ static bool step_wait(void *ctx, char **words, size_t n, struct cf_report *repor
     if (n < 2 || !span_of(words[1], &span)) {
         return cf_fail(report, "wait T [L]");
     }
-    const bool data = ssi_rig_wait(&b->rig, span);
-    return n < 3 || data == (words[2][0] == '1') || cf_fail(report, "data is %d", data ? 1 : 0);
+    const bool high = n > 2 && words[2][0] == '1';
+    if (n > 2 && !need_of_real(high ? 0u : CF_EXACT, report)) {
+        return false;
+    }
+    b->look = (struct cf_ssi_look){.wait_ns = span};
+    if (n > 2 ? !ask_look(b, CF_SSI_LEVEL, report)
+              : has_real_one() && !trial.beside.ops->waited(trial.beside.ctx, span, report)) {
+        return false;
+    }
+    b->look.data[0] = ssi_rig_wait(&b->rig, span + trial.slack) ? '1' : '0';
+    const bool matched = n < 3 || b->look.data[0] == words[2][0];
+    if (n > 2 && has_real_one()) {
+        return end_look(b, CF_SSI_LEVEL, matched, report);
+    }
+    return matched || cf_fail(report, "data is %c", b->look.data[0]);
 }
 
 /* clock LEVELS = LEVELS */
 static bool step_clock(void *ctx, char **words, size_t n, struct cf_report *report)
 {
     struct bench *b = ctx;
-    const size_t equals = find_equals(words, n);
-    char levels[BITS_MAX + 1];
+    const size_t equals = cf_find_equals(words, n);
     char want[BITS_MAX + 1];
 
-    join(levels, words, 1, equals);
-    join(want, words, equals + 1, n);
-    for (char *c = levels; *c != '\0'; c++) {
-        *c = ssi_rig_edge(&b->rig, *c == '1') ? '1' : '0';
-        (void)ssi_rig_wait(&b->rig, 500);
+    b->look = (struct cf_ssi_look){.pulses = 0};
+    cf_join(b->look.clock, BITS_MAX + 1u, words, 1, equals);
+    cf_join(want, BITS_MAX + 1u, words, equals + 1, n);
+    if (!ask_look(b, CF_SSI_EDGES, report)) {
+        return false;
     }
-    return bits_match(want, levels) ||
-           cf_fail(report, "data: expected %s\n    got            %s", want, levels);
+    for (size_t i = 0; b->look.clock[i] != '\0'; i++) {
+        const bool level = b->look.clock[i] == '1';
+
+        b->pulses += level && !b->rig.device.clock ? 1u : 0u;
+        b->look.data[i] = ssi_rig_edge(&b->rig, level) ? '1' : '0';
+        (void)ssi_rig_wait(&b->rig, trial.half_ns > 0 ? trial.half_ns : EDGE);
+    }
+    const bool matched = data_match(b, want);
+    if (has_real_one()) {
+        return end_look(b, CF_SSI_EDGES, matched, report);
+    }
+    return matched ||
+           cf_fail(report, "data: expected %s\n    got            %s", want, b->look.data);
 }
 
 /* back T L */
@@ -367,15 +489,20 @@ static bool step_take(void *ctx, char **words, size_t n, struct cf_report *repor
     struct bench *b = ctx;
     const size_t bits = n > 3 ? strtoul(words[1], NULL, 10) : 0;
     char want[BITS_MAX + 1];
-    char got[BITS_MAX + 1];
 
     if (bits == 0 || bits > BITS_MAX) {
         return cf_fail(report, "take N = BITS");
     }
-    join(want, words, 3, n);
-    take_bits(b, bits, got);
-    return bits_match(want, got) ||
-           cf_fail(report, "take: expected %s\n    got            %s", want, got);
+    cf_join(want, BITS_MAX + 1u, words, 3, n);
+    if (!take_pulses(b, bits, false, report)) {
+        return false;
+    }
+    const bool matched = data_match(b, want);
+    if (has_real_one()) {
+        return end_look(b, CF_SSI_PULSES, matched, report);
+    }
+    return matched ||
+           cf_fail(report, "take: expected %s\n    got            %s", want, b->look.data);
 }
 
 /* word [xN] BITS */
@@ -385,17 +512,21 @@ static bool step_word(void *ctx, char **words, size_t n, struct cf_report *repor
     const bool counted = n > 2 && words[1][0] == 'x';
     unsigned long times = counted ? strtoul(words[1] + 1, NULL, 10) : 1;
     char want[BITS_MAX + 2];
-    char got[BITS_MAX + 2];
 
-    join(want, words, counted ? 2 : 1, n);
+    cf_join(want, BITS_MAX + 1u, words, counted ? 2 : 1, n);
     strcat(want, "0");
     for (; times > 0; times--) {
-        take_bits(b, strlen(want), got);
-        if (!bits_match(want, got)) {
-            return cf_fail(report, "word: expected %s\n    got            %s", want, got);
+        if (!take_pulses(b, strlen(want), times == 1, report)) {
+            return false;
+        }
+        const bool matched = data_match(b, want);
+        if (!has_real_one() && !matched) {
+            return cf_fail(report, "word: expected %s\n    got            %s", want, b->look.data);
+        }
+        if (has_real_one() && !end_look(b, CF_SSI_PULSES, matched, report)) {
+            return false;
         }
     }
-    (void)ssi_rig_wait(&b->rig, DG_US(100));
     return n > 1 || cf_fail(report, "word BITS");
 }
 
@@ -411,11 +542,18 @@ static bool step_value(void *ctx, char **words, size_t n, struct cf_report *repo
     if (n != 2) {
         return cf_fail(report, "value COUNT[:E]");
     }
-    count = strncmp(words[1], "latch", 5) == 0 ? count : strtoull(words[1], NULL, 16);
+    if (!trial.placed && strncmp(words[1], "latch", 5) != 0) {
+        count = strtoull(words[1], NULL, 16);
+    }
     count &= ((uint64_t)1 << bits) - 1u;
     const uint64_t want = ssi_rig_word(model, (uint32_t)count, colon != NULL && colon[1] == '1');
-    const uint64_t got = ssi_rig_take(&b->rig, ssi_rig_bits(model) + 1u);
-    (void)ssi_rig_wait(&b->rig, DG_US(100));
+    if (!take_pulses(b, ssi_rig_bits(model) + 1u, true, report)) {
+        return false;
+    }
+    const uint64_t got = strtoull(b->look.data, NULL, 2);
+    if (has_real_one()) {
+        return end_look(b, CF_SSI_PULSES, got == want << 1, report);
+    }
     return got == want << 1 || cf_fail(report, "value: expected %llX\n    got             %llX",
                                        (unsigned long long)want << 1, (unsigned long long)got);
 }
@@ -426,7 +564,7 @@ static bool step_value(void *ctx, char **words, size_t n, struct cf_report *repo
 static bool step_apart(void *ctx, char **words, size_t n, struct cf_report *report)
 {
     struct bench *b = ctx;
-    const size_t equals = find_equals(words, n);
+    const size_t equals = cf_find_equals(words, n);
     struct dg_ssi_frame frame;
     char bits[BITS_MAX + 1];
     bool error = false;
@@ -439,7 +577,7 @@ static bool step_apart(void *ctx, char **words, size_t n, struct cf_report *repo
         error = error || strcmp(words[i], "error") == 0;
         damaged = damaged || strcmp(words[i], "damaged") == 0;
     }
-    join(bits, words, 1, equals);
+    cf_join(bits, BITS_MAX + 1u, words, 1, equals);
     const int result = dg_ssi_frame_decode(&b->rig.model, strtoull(bits, NULL, 2), &frame);
     return (frame.multiturn == strtoul(words[equals + 1], NULL, 16) &&
             frame.singleturn == strtoul(words[equals + 2], NULL, 16) && frame.error == error &&
@@ -479,11 +617,12 @@ static bool step_count(void *ctx, char **words, size_t n, struct cf_report *repo
 
 /* clang-format off */
 static const struct cf_step steps[] = {
-    {"given", step_given, false, 0}, {"pos",   step_pos,   false, 0}, {"rpm",   step_rpm,   false, 0},
-    {"world", step_world, false, 0}, {"power", step_power, false, 0}, {"master", step_master, false, 0},
-    {"back",  step_back,  false, 0}, {"wait",  step_wait,  true, 0},  {"clock", step_clock, true, 0},
-    {"take",  step_take,  true, 0},  {"word",  step_word,  true, 0},  {"value", step_value, true, 0},
-    {"apart", step_apart, true, 0},  {"count", step_count, true, 0},  {"refused", step_refused, true, 0},
+    {"given", step_given, false, 0},         {"pos",   step_pos,   false, 0},         {"at",      step_at,      false, CF_SHAFT},
+    {"rpm",   step_rpm,   false, CF_SHAFT},  {"world", step_world, false, CF_INSIDE}, {"power",   step_power,   false, CF_POWER},
+    {"master", step_master, false, CF_EXACT}, {"back", step_back,  false, CF_INSIDE}, {"wait",    step_wait,    true,  0},
+    {"clock", step_clock, true,  0},         {"take",  step_take,  true,  0},         {"word",    step_word,    true,  0},
+    {"value", step_value, true,  0},         {"apart", step_apart, true,  CF_INSIDE}, {"count",   step_count,   true,  0},
+    {"refused", step_refused, true, CF_INSIDE},
 };
 /* clang-format on */
 
