@@ -125,7 +125,7 @@ def test_what_is_refused(tmp_path):
     nowhere = tmp_path / "nothing"
     assert "wire" in run_refused(2, "verify", "s3684-rs485")
     assert "model" in run_refused(2, "verify", "--tty=/dev/null")
-    assert "s3684-rs485" in run_refused(2, "verify", "s3684-biss", "--gpio=gpiochip0:1,2")
+    assert "--gpio=CHIP:MA,SLO" in run_refused(1, "verify", "s3684-biss", "--tty=/dev/null")
     assert "no clause 9.9" in run_refused(2, "verify", "s3684-rs485", "9.9", f"--tty={nowhere}")
     assert str(nowhere) in run_refused(1, "verify", "s3684-rs485", f"--tty={nowhere}")
     assert "--node" in run_refused(1, "verify", "f3668", f"--slcan={nowhere}", "--node", "200")

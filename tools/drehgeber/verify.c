@@ -19,8 +19,12 @@
 #include "verify_parts.h"
 #include "verify_stream.h"
 
-static const struct verify_protocol *const protocols[] = {&verify_hiperface, &verify_canopen,
-                                                          &verify_interbus};
+static const struct verify_protocol *const protocols[] = {
+    &verify_hiperface, &verify_biss, &verify_ssi, &verify_canopen, &verify_interbus,
+};
+
+/* How often a row is made for which this host was late. */
+#define TRIES_MAX 5u
 
 /* What --help and the lines call what a row needs. */
 static const struct {
@@ -304,6 +308,7 @@ static bool try_once(struct verify *self, const struct cf_suite *suite, const st
     struct verify_encoder *encoder = self->encoder;
     struct cf_report report = {""};
     encoder->outcome = VERIFY_AGREES;
+    encoder->held_up = false;
     if (!self->protocol->begin(encoder, &report)) {
         *to = make_row(VERIFY_NOT_SEEN, report.text);
         return false;
@@ -330,14 +335,20 @@ static bool cites_asked(const struct verify_result *result, const struct cf_row 
     return asked;
 }
 
-/* A busy host may be late once: what differs has to differ again. */
+/* A busy host may be late once: what differs has to differ again. One that knows that it was late
+   makes the row again until it was not. */
 static bool attempt_row(struct verify *self, const struct cf_suite *suite, const struct cf_row *row,
                         struct verify_row *to)
 {
     bool there = try_once(self, suite, row, to);
-    if (there && to->outcome == VERIFY_DIFFERS) {
+    bool again = to->outcome == VERIFY_DIFFERS;
+    for (unsigned i = 1; there && i < TRIES_MAX && (again || self->encoder->held_up); i++) {
+        if (to->outcome == VERIFY_AGREES) {
+            break;
+        }
         free(to->text);
         there = try_once(self, suite, row, to);
+        again = false;
     }
     return there;
 }
@@ -402,8 +413,8 @@ static int refuse_options(const struct options *options, struct lx_error *error)
     }
 
     if ((options->write || options->restore) && protocol_of(options)->writes == NULL) {
-        return lx_refuse(error, "expected neither --write nor --restore",
-                         "verify only reads what a file describes");
+        return lx_refuse(error, "expected neither --write nor --restore", "verify only reads %s",
+                         options->eds != NULL ? "what a file describes" : "such an encoder");
     }
     if ((options->journal != NULL || options->irreversible) && !options->write &&
         !options->restore) {
@@ -412,7 +423,9 @@ static int refuse_options(const struct options *options, struct lx_error *error)
     }
     if (options->wire == NULL || options->where == NULL) {
         return lx_refuse(
-            error, "expected --tty=/dev/ttyUSB0, --can=can0 or --modbus=HOST:PORT, for example",
+            error,
+            "expected --tty=/dev/ttyUSB0, --gpio=gpiochip0:4,5, --can=can0 or --modbus=HOST:PORT, "
+            "for example",
             "verify needs the wire that leads to the encoder");
     }
     return 0;

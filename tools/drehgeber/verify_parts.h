@@ -48,6 +48,7 @@ struct verify_encoder {
     dg_ns since;                    /* the last step of the row that runs, when that counts */
     bool off;                       /* its supply is cut */
     bool declined;                  /* the user does not want to switch it */
+    bool held_up;      /* this host was late in the row that runs: what differs says nothing */
     const char *power; /* cuts the supply, with "on" or "off" behind it; NULL: the user does */
 };
 
@@ -89,7 +90,7 @@ struct verify_protocol {
 };
 
 extern const struct verify_protocol verify_hiperface, verify_canopen, verify_canopen_file,
-    verify_interbus;
+    verify_interbus, verify_biss, verify_ssi;
 
 /* cf_fail(), and `outcome` is what became of the row. */
 bool verify_fail(struct verify_encoder *self, enum verify_outcome outcome, struct cf_report *report,
