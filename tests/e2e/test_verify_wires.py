@@ -95,6 +95,22 @@ def test_another_node():
     assert not any(line.startswith((b"t63F", b"r73F")) for line in node.lines)
 
 
+def test_node_guarding_asks_for_one_byte():
+    """Some nodes answer no remote frame of another length."""
+    class Guarded(Node):
+        toggle = 0x80
+
+        def answer(self, line):
+            if line != b"r73F1":
+                return super().answer(line)
+            self.toggle ^= 0x80
+            return b"\rt73F1%02X\r" % (self.toggle | 0x7F)
+
+    with Guarded() as node:
+        ended = verify(node, "CIA-5-1", "--quiet")
+    assert "\nagrees   CIA-5-1\n" in ended.stdout, ended.stdout
+
+
 # --- nodes
 
 SILENT = "node 63 does not answer; expected its node-ID with --node, and a bus at 250 kBd"

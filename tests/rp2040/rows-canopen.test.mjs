@@ -12,7 +12,7 @@ const LEAST = 155, EACH = 2; // of them one of so many in a check
 const SOON = ms(6); // some frames of 250 kbit/s, one behind the other
 const ANSWER = ms(150); // of an SDO that stores
 
-const HEX = "[0-9A-F]{2}", KNOWN = [/^given f36[56]8( boot)?$/, new RegExp(`^>!? [0-9A-F]+( ${HEX})*$`), /^rtr [0-9A-F]+$/,
+const HEX = "[0-9A-F]{2}", KNOWN = [/^given f36[56]8( boot)?$/, new RegExp(`^>!? [0-9A-F]+( ${HEX})*$`), /^rtr [0-9A-F]+( \d)?$/,
   new RegExp(`^< [0-9A-F]+( ${HEX})*$`), /^< none( \d+(ms|us))?$/, /^skip \d+$/, /^node [0-9A-F]+$/, /^turn -?\w+$/,
   /^(read|write) [0-9A-F]{4}:[0-9A-F]+(( [0-9A-F]{2})+| abort [0-9A-F]{8}|( [0-9A-F]{2})+ abort [0-9A-F]{8})$/, /^eeprom (silent|back)$/];
 
@@ -61,8 +61,10 @@ class Bench {
     if (what === ">" || what === ">!") {
       const [id, ...data] = bytesOf(words), filled = what === ">" && (id >= 0x600 && id <= 0x67f || id === 0x7e5);
       this.say(id, [...data, ...Array(filled ? 8 - data.length : 0).fill(0)]);
-    } else if (what === "rtr") this.say(Number.parseInt(words[0], 16), [], true);
-    else if (step.startsWith("< none")) {
+    } else if (what === "rtr") {
+      const id = Number.parseInt(words[0], 16), length = words.length > 1 ? Number(words[1]) : (id & 0x780) === 0x700 ? 1 : 0;
+      this.say(id, Array(length).fill(0), true);
+    } else if (step.startsWith("< none")) {
       pico.run(words[1] ? span(words[1]) : SOON);
       assert.deepEqual(this.sent.map(text), []);
     } else if (what === "<") {

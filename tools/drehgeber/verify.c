@@ -149,7 +149,7 @@ size_t verify_print_unit(const struct cf_unit *unit, char *to, size_t size)
     if (unit->id != 0) {
         at = (size_t)snprintf(to, size, " %03X%s", unit->id, unit->rtr ? " remote" : "");
     }
-    for (size_t i = 0; i < unit->n && at + 4 < size; i++) {
+    for (size_t i = 0; !unit->rtr && i < unit->n && at + 4 < size; i++) {
         at += (size_t)snprintf(to + at, size - at, " %02X", unit->bytes[i]);
     }
     return at;

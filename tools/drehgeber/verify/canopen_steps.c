@@ -194,18 +194,21 @@ static bool step_data(void *ctx, char **words, size_t n, struct cf_report *repor
     return deliver_frame(b, &frame, report);
 }
 
-/* rtr ID */
+/* rtr ID [N]: a remote frame has the length of the frame that it asks for (ISO 11898-1), and some nodes
+   answer no other one; the state of a node is one byte */
 static bool step_rtr(void *ctx, char **words, size_t n, struct cf_report *report)
 {
     struct canopen_bench *b = ctx;
     struct dg_can_frame frame = {.rtr = true};
+    const unsigned long length = n == 3 ? strtoul(words[2], NULL, 10) : 0;
 
-    if (n != 2) {
-        return cf_fail(report, "rtr ID");
+    if (n < 2 || n > 3 || length > 8) {
+        return cf_fail(report, "rtr ID [N]");
     }
     if (!parse_id(words[1], &frame, report)) {
         return false;
     }
+    frame.dlc = n == 3 ? (uint8_t)length : (frame.id & 0x780u) == 0x700u;
     return deliver_frame(b, &frame, report);
 }
 
