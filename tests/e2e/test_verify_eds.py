@@ -112,6 +112,20 @@ def test_a_device_that_does_what_its_file_says(file):
     assert {line[:7] for line in device.lines if line[:1] == b"t"} == {b"t63F840", b"t63F880"}
 
 
+def test_a_device_that_does_not_say_how_long_values_are(file):
+    """CiA 301 lets an expedited answer leave its size open."""
+    class Unsized(Device):
+        def answer(self, line: bytes) -> bytes:
+            return re.sub(rb"t5BF84[37BF]", b"t5BF842", super().answer(line))
+
+    with Unsized() as device:
+        ended = verify(file, device.option, "1000", "2001")
+    lines = ended.stdout.splitlines()
+    assert {line for line in lines if line.startswith("agrees")} == {f"agrees   {clause}" for clause in (
+        "1000:0", "1000:0-value", "2001:0", "2001:0-limits", "2001:0-value")}, ended.stdout
+    assert {line.split(":")[1] for line in lines if line.startswith("not seen")} == {"0-type"} and " 0 differ, " in lines[-1]
+
+
 # clause: what its device has in place of what the file says
 BROKEN = {
     "1001:0": {(0x1001, 0): 0x06020000},

@@ -10,6 +10,7 @@ import select
 import socket
 import subprocess
 import threading
+import time
 import tty
 from xml.etree import ElementTree
 
@@ -109,6 +110,60 @@ def test_node_guarding_asks_for_one_byte():
     with Guarded() as node:
         ended = verify(node, "CIA-5-1", "--quiet")
     assert "\nagrees   CIA-5-1\n" in ended.stdout, ended.stdout
+
+
+UNKNOWN = {
+    "no object": (b"80000000" b"01000405", "agrees"),
+    "the object of the last transfer": (b"80046000" b"01000405", "agrees"),
+    "another code": (b"80001000" b"00000008", "differs"),
+}
+
+
+@pytest.mark.parametrize("refusal, became", UNKNOWN.values(), ids=UNKNOWN)
+def test_which_object_an_unknown_command_is_about_is_not_asked(refusal, became):
+    """CiA 301 does not say it."""
+    class Refusing(Node):
+        def answer(self, line):
+            return b"\rt5BF8" + refusal + b"\r" if line.startswith(b"t63F8E0") else super().answer(line)
+
+    with Refusing() as node:
+        ended = verify(node, "CIA-2-16", "--quiet")
+    assert f"\n{became:8} CIA-2-16" in ended.stdout, ended.stdout
+
+
+class Held(Server):
+    """A network between the command and an encoder that holds up answers to uploads, and nothing else."""
+
+    def __init__(self, path):
+        super().__init__()
+        self.option = f"--slcan=tcp:{self.where}"
+        self.path = path
+
+    def run(self):
+        far = os.open(self.path, os.O_RDWR | os.O_NOCTTY)
+        tty.setraw(far)
+        with contextlib.suppress(OSError), self.listener.accept()[0] as near:
+            near.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+            while ready := select.select([near, far], [], [], LIMIT_S)[0]:
+                if near in ready:
+                    data = near.recv(4096)
+                    if not data:
+                        break
+                    os.write(far, data)
+                if far in ready:
+                    data = os.read(far, 4096)
+                    time.sleep(0.08 if b"t5BF84" in data else 0)
+                    near.sendall(data)
+        os.close(far)
+
+
+def test_a_network_that_holds_up_some_answers(tmp_path):
+    """The time-out of an upload comes a second after an answer that was held up."""
+    encoder = Encoder(["f3668", f"--slcan={tmp_path}/link"])
+    with Held(tmp_path / "link") as wire:
+        ended = verify(wire, "C27-1", "--quiet")
+    assert encoder.clean_up() == []
+    assert "\nagrees   C27-1\n" in ended.stdout, ended.stdout
 
 
 # --- nodes

@@ -5,6 +5,7 @@ import fcntl
 import os
 import pty
 import random
+import re
 import subprocess
 
 import pytest
@@ -113,6 +114,51 @@ def test_one_whose_answer_from_its_new_address_is_lost_is_found_there(crowd):
         ended = verify("s3684-rs485", wire.path, "5.1.2.16-7", "--json", "--write", "--journal", folder / "journal")
     assert lost and results(ended)[WIRES["s3684-rs485"][2][0], "5.1.2.16-7"] == ("agrees", "")
     assert state("s3684-rs485", folder) == before
+
+
+# --- what CiA 301 leaves to a node ----------------------------------------------------------------
+
+def agree(crowd, name: str, clause: str, **options) -> bool:
+    """Whether the clause agrees when the encoder is seen through this wire."""
+    folder = crowd.begin(name, "f3668")
+    with Between(folder / "link", ends=WIRES["f3668"][3], **options) as wire:
+        found = results(verify("f3668", wire.path, clause, "--json", "--write", "--journal", folder / "journal"))
+    return any(at == clause and became == ("agrees", "") for (_, at), became in found.items())
+
+
+def test_a_block_may_have_any_size(crowd):
+    changed = []
+
+    def enlarge(_, answer):
+        other = re.sub(rb"t5BF8(A4......|A201)05", rb"t5BF8\g<1>7F", answer)
+        changed.extend([other] if other != answer else [])
+        return other
+
+    assert agree(crowd, "blocks", "CIA-2-37", alter=enlarge) and len(changed) >= 2
+
+
+def test_frames_of_one_moment_come_in_any_order(crowd):
+    """The first heartbeat and the answer that begins it."""
+    held, swapped = [], []
+
+    def swap(request, answer):
+        if b"t63F82B1710001027" in request and answer[:4] == b"t73F":
+            held.append(answer)
+            return None
+        if held and answer[:4] == b"t5BF":
+            swapped.append(held.pop())
+            return answer + swapped[0]
+        return answer
+
+    assert agree(crowd, "order", "C13-2", alter=swap) and swapped
+
+
+def test_no_upload_is_left_open(crowd):
+    """What is longer than four bytes is not noted, and its upload is ended."""
+    sent = []
+    assert agree(crowd, "open", "M19-8", hear=lambda request: sent.extend(filter(None, request.split(b"\r"))) or True)
+    behind = [sent[at + 1][:7] for at, line in enumerate(sent) if line.startswith(b"t63F840081000")]
+    assert behind == [b"t63F860", b"t63F880"]  # of the row that reads its segments; before the row that writes
 
 
 # --- the journal ----------------------------------------------------------------------------------

@@ -19,6 +19,8 @@
 #define MOVES_MAX 64u
 /* Frames that are looked at for one of the node: a bus may be busy, and a babbling one is left. */
 #define FRAMES_MAX 4000u
+/* Frames that are kept for one that a row waits for later. */
+#define PASSED_MAX 16u
 /* Most objects that a row writes. */
 #define TOUCHED_MAX 40u
 #define TPDOS 4u
@@ -52,6 +54,8 @@ struct canopen {
     struct object touched[TOUCHED_MAX]; /* what the row that was rehearsed last writes */
     size_t touched_count;
     struct dg_can_frame request;
+    struct dg_can_frame passed[PASSED_MAX]; /* since the request, with other identifiers */
+    size_t passed_count;
 };
 
 /* What an object or the data of an answer are. */
@@ -76,8 +80,8 @@ static inline uint32_t le32(const uint8_t *from)
 bool verify_canopen_send_frame(struct canopen *self, const struct dg_can_frame *frame,
                                struct cf_report *report);
 
-/* The next frame with this identifier, 0: that answers something. @return 1, 0: none came, -1:
-   lost, as `report` says */
+/* The next frame with this identifier since the last request, 0: that answers something. @return 1, 0: none
+   came, -1: lost, as `report` says */
 int verify_canopen_receive_id(struct canopen *self, uint16_t id, dg_ns until,
                               struct dg_can_frame *to, struct cf_report *report);
 

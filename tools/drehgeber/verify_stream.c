@@ -4,6 +4,8 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
 #include <poll.h>
 #include <stdio.h>
 #include <string.h>
@@ -52,6 +54,7 @@ int verify_stream_open(struct verify_stream *self, const char *where, const stru
                        struct lx_error *error)
 {
     static const char serial[] = "rfc2217:";
+    static const int yes = 1;
     char address[300];
     *self = (struct verify_stream){.fd = -1};
     self->telnet = strncmp(where, serial, sizeof serial - 1u) == 0;
@@ -66,6 +69,8 @@ int verify_stream_open(struct verify_stream *self, const char *where, const stru
         return -1;
     }
     (void)fcntl(self->fd, F_SETFL, O_NONBLOCK);
+    (void)setsockopt(self->fd, IPPROTO_TCP, TCP_NODELAY, &yes,
+                     sizeof yes); /* requests are short, and timed */
     return !self->telnet || tell_setting(self, uart) == 0
                ? 0
                : lx_fail(error, "%s: the port accepts no data", where);

@@ -186,7 +186,7 @@ bool canopen_step_upload(void *ctx, char **words, size_t n, struct cf_report *re
     request.data[0] = 0x40;
     request.dlc = 8;
     memcpy(wanted.head, request.data + 1, sizeof wanted.head);
-    for (size_t i = 2; i < n; i++) {
+    for (size_t i = strcmp(words[2], "is") == 0 ? 3 : 2; i < n; i++) {
         (void)snprintf(text + strlen(text), sizeof text - strlen(text), " %s", words[i]);
     }
     for (size_t i = 0; i < DG_COUNT(relations); i++) {
