@@ -11,7 +11,7 @@ from xml.etree import ElementTree
 import pytest
 
 from rig import REPOSITORY, run_refused
-from verified import MODELS, SERIAL, WIRES, Between, Crowd, clauses, results, those, verify
+from verified import MODELS, SERIAL, WIRES, Babbling, Between, Crowd, clauses, results, those, verify
 
 SEED = 20261123
 BROKEN = 5
@@ -98,6 +98,18 @@ def test_a_late_answer_is_a_difference(encoder):
     assert re.search(rf"differs  {re.escape(clause)}: hiperface:\d+: sent 40 52 12; expected an answer within", ended.stdout)
 
 
+def test_a_late_upload_is_a_difference_and_answers_nothing_else(encoder):
+    def late(request, answer):
+        time.sleep(1.3 if b"t63F840181001" in request else 0)
+        return answer
+
+    with Between(encoder("f3668"), late, WIRES["f3668"][3]) as wire:
+        ended = verify("f3668", wire.path, "M12-8", "M3-1", status=1)
+    (why,) = re.findall("^differs  (.*)$", ended.stdout, re.M)
+    assert re.fullmatch(r"M12-8: canopen:\d+: sent 63F 40 18 10 01( 00){4}; expected 5BF 43 18 10 01 13( 00){3}; came nothing", why)
+    assert "\nagrees   M3-1\n" in ended.stdout and "ended early" not in ended.stdout
+
+
 def test_garbage_is_no_encoder(crowd):
     def ask(model, noise):
         with Between(None, lambda *_: noise) as wire:
@@ -117,6 +129,23 @@ def test_one_that_dies_is_told_and_ends_it(crowd, encoder):
 
     running = [crowd.pool.submit(ask, model, encoder(model)) for model in MODELS]
     assert all("it ended early: the encoder stopped answering in the row" in one.result() for one in running)
+
+
+NOISE = {"s3684-rs485": bytes(range(64)), "f3668": b"t1010\r" * 10}
+
+
+def test_one_that_never_stops_is_told_and_ends_it(crowd, encoder):
+    def ask(model, link, answers):
+        with Babbling(link, answers, NOISE[model], WIRES[model][3]) as wire:
+            return verify(model, wire.path, *parts(model)[0], status=1)
+
+    for answers in 0, 60:
+        running = [crowd.pool.submit(ask, model, encoder(model), answers) for model in MODELS]
+        for ended in (one.result() for one in running):
+            if answers == 0:
+                assert ended.stdout == "" and ended.stderr.count("\n") == 1 and "answer" in ended.stderr
+            else:
+                assert "it ended early: the encoder was lost in the row" in ended.stdout
 
 
 # --- refusals -------------------------------------------------------------------------------------

@@ -48,6 +48,7 @@ def folders():
         one.folder, one.port = folder, int(one.ready_line.rpartition(":")[2])
         one.where = f"127.0.0.1:{one.port}"
         running.append(one)
+        time.sleep(0.3)  # its self-test, in which IN looks like a read-out
         return one
 
     yield begin
@@ -130,7 +131,6 @@ def test_our_own_agrees_and_stays_as_it_was(folders):
 @pytest.mark.parametrize("model, clause", [("ocd-ib-k1", "2.1.1-2"), ("ocd-ib-k2", "2.2-2")])
 def test_those_without_out(folders, model, clause):
     one = folders(model, model)
-    time.sleep(0.3)  # its self-test
     found = results(verify(one.where, "--json", model=model))
     assert those(found, "differs") == set() and found["2.2-1" if model.endswith("1") else clause][0] == "agrees"
 
@@ -165,19 +165,52 @@ def test_everything_that_is_written_is_put_back(written):
     assert switched and switched == ["off", "on"] * (len(switched) // 2)
 
 
+def await_change(image, before: bytes):
+    """Until the encoder has stored something; the command waits meanwhile."""
+    deadline = time.monotonic() + LIMIT_S
+    while image.read_bytes()[STORED] == before and time.monotonic() < deadline:
+        time.sleep(0.005)
+
+
 def test_a_run_that_was_killed_is_restored(folders):
     one = folders("killed")
     before, journal = (one.folder / "image").read_bytes()[STORED], one.folder / "journal"
     arguments = ["2.1-3", "--write", "--journal", journal]
-    seen = threading.Event()
-    with Between(one.port, hear=lambda out: seen.set() if out == 0x06000004 else None) as wire:
+    changed, killed = threading.Event(), threading.Event()
+
+    def hear(out):
+        if out == 0x06000004:
+            await_change(one.folder / "image", before)
+            changed.set()
+            killed.wait(LIMIT_S)
+
+    with Between(one.port, hear=hear) as wire:
         process = subprocess.Popen([PROGRAM, "verify", K3, f"--modbus={wire.where}", *map(str, arguments)],
                                    stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
-        assert seen.wait(LIMIT_S)
-        time.sleep(0.03)  # the encoder has it
+        assert changed.wait(LIMIT_S)
         process.kill()
         process.communicate(timeout=LIMIT_S)
+        killed.set()
     assert (one.folder / "image").read_bytes()[STORED] != before
+    assert "expected --restore" in verify(one.where, *arguments, status=1).stderr
+    assert verify(one.where, "--restore", "--journal", journal).stdout == "the encoder is as it was\n"
+    assert (one.folder / "image").read_bytes()[STORED] == before
+
+
+def test_one_that_dies_changed_is_restored_later(folders):
+    one, dead = folders("dies_changed"), []
+    before, journal = (one.folder / "image").read_bytes()[STORED], one.folder / "journal"
+    arguments = ["2.1-3", "--write", "--journal", journal]
+
+    def hear(out):
+        if out == 0x06000004:
+            await_change(one.folder / "image", before)
+            dead.append(out)
+
+    with Between(one.port, hear=hear, answer=lambda reply: None if dead else reply) as wire:
+        ended = verify(wire.where, *arguments, status=1)
+    assert "does not have its old values" in ended.stdout and "--restore" in ended.stdout
+    assert dead and (one.folder / "image").read_bytes()[STORED] != before
     assert "expected --restore" in verify(one.where, *arguments, status=1).stderr
     assert verify(one.where, "--restore", "--journal", journal).stdout == "the encoder is as it was\n"
     assert (one.folder / "image").read_bytes()[STORED] == before
@@ -214,6 +247,37 @@ def test_what_flickers_on_its_way_is_a_difference(folders):
     assert "expected A421000B; came E0000000" in ended.stdout
 
 
+class Late(Between):
+    """The encoder gets one word of OUT only when it has stood for longer than a second."""
+    WORD = 0x2021000E
+
+    def run(self):
+        held = None  # the request, and when it is due
+        with contextlib.suppress(OSError), self.listener.accept()[0] as near:
+            with socket.create_connection(("127.0.0.1", self.port)) as far:
+                while request := self.message(near):
+                    if held and time.monotonic() > held[1]:
+                        far.sendall(held[0])
+                        self.message(far)
+                        held = None
+                    if struct.unpack(">BH", request[7:10]) == (WRITE, OUTPUT):
+                        late = struct.unpack(">I", request[13:17])[0] == self.WORD
+                        held = (request, time.monotonic() + 1.5) if late else None
+                    if held and held[0] == request:
+                        near.sendall(request[:4] + b"\0\6" + request[6:12])
+                        continue
+                    far.sendall(request)
+                    near.sendall(self.message(far))
+
+
+def test_what_comes_late_is_a_difference(folders):
+    with Late(folders("late").port) as wire:
+        ended = verify(wire.where, "9.3-5", "9.3-3", status=1)
+    (why,) = re.findall("^differs  (.*)$", ended.stdout, re.M)
+    assert re.fullmatch(r"9\.3-5: interbus:\d+: sent 2021000E; expected A421000E; came 0[0-9A-F]{7}", why), why
+    assert "\nagrees   9.3-3\n" in ended.stdout and "ended early" not in ended.stdout
+
+
 def test_one_that_does_not_leave_an_error_is_lost(folders):
     stuck = []
 
@@ -239,6 +303,33 @@ def test_one_that_dies_is_told_and_ends_it(folders):
     with Between(folders("dies").port, answer=die) as wire:
         ended = verify(wire.where, status=1)
     assert "it ended early: the encoder stopped answering in the row" in ended.stdout
+
+
+class Endless(Between):
+    """It sends without end once it has answered `answers` times."""
+
+    def __init__(self, port, answers: int):
+        super().__init__(port)
+        self.answers = answers
+
+    def run(self):
+        with contextlib.suppress(OSError), self.listener.accept()[0] as near:
+            with socket.create_connection(("127.0.0.1", self.port)) as far:
+                for _ in range(self.answers):
+                    far.sendall(self.message(near))
+                    near.sendall(self.message(far))
+                while True:
+                    near.sendall(bytes(range(256)))
+
+
+@pytest.mark.parametrize("answers", [0, 300])
+def test_one_that_never_stops_is_told_and_ends_it(folders, answers):
+    with Endless(folders(f"endless{answers}").port, answers) as wire:
+        ended = verify(wire.where, status=1)
+    if answers == 0:
+        assert ended.stdout == "" and ended.stderr.startswith(f"drehgeber: {wire.where}: ") and ended.stderr.count("\n") == 1
+    else:
+        assert "it ended early: the encoder was lost in the row" in ended.stdout
 
 
 GARBAGE = {

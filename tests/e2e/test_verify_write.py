@@ -78,25 +78,41 @@ def test_a_killed_run_is_restored(crowd, model):
     assert sum(one.result() for one in running) >= 3
 
 
-def test_one_that_dies_changed_is_restored_later(crowd):
-    folder = crowd.begin("dies", "s3684-rs485")
-    before, journal, dead = state("s3684-rs485", folder), folder / "journal", []
+class Dying:
+    """It obeys one write, and nothing behind it."""
 
-    def die(request, answer):
-        if dead or (len(request) > 1 and request[1] == 0x43):
-            dead.append(request)
-        return None if dead else answer
+    def __init__(self, model: str):
+        self.model, self.dead = model, False
 
-    arguments = ["5.1.2.2-9", "--write", "--journal", journal]
-    with Between(folder / "link", die) as wire:
-        ended = verify("s3684-rs485", wire.path, *arguments, status=1)
+    def hear(self, request: bytes) -> bool:
+        if self.dead:
+            return False
+        self.dead = is_write(self.model, request)
+        return True
+
+    def alter(self, _, answer: bytes):
+        return None if self.dead else answer
+
+
+CHANGES = {"s3684-rs485": "5.1.2.2-9", "f3668": "M26-18"}  # model: a clause that changes one value
+
+
+@pytest.mark.parametrize("model", MODELS)
+def test_one_that_dies_changed_is_restored_later(crowd, model):
+    folder = crowd.begin(f"dies.{model}", model)
+    before, journal, dying = state(model, folder), folder / "journal", Dying(model)
+    arguments = [CHANGES[model], "--write", "--journal", journal]
+    with Between(folder / "link", dying.alter, WIRES[model][3], dying.hear) as wire:
+        ended = verify(model, wire.path, *arguments, status=1)
     assert "does not have its old values" in ended.stdout and "--restore" in ended.stdout
-    assert journal.read_bytes().count(b"\n") >= 4
-    other = verify("f3668", folder / "link", "--restore", "--journal", journal, status=1)
-    assert "not of a f3668" in other.stderr
-    restored = verify("s3684-rs485", folder / "link", "--restore", "--journal", journal)
-    assert restored.stdout == "the encoder is as it was\n" and state("s3684-rs485", folder) == before
-    again = verify("s3684-rs485", folder / "link", "--restore", "--journal", journal)
+    assert journal.read_bytes().startswith(b"of " + model.encode() + b"\nb ") and state(model, folder) != before
+    assert "expected --restore" in verify(model, folder / "link", *arguments, status=1).stderr
+    (another,) = set(MODELS) - {model}
+    other = verify(another, folder / "link", "--restore", "--journal", journal, status=1)
+    assert f"not of a {another}" in other.stderr
+    restored = verify(model, folder / "link", "--restore", "--journal", journal)
+    assert restored.stdout == "the encoder is as it was\n" and state(model, folder) == before
+    again = verify(model, folder / "link", "--restore", "--journal", journal)
     assert again.stdout == "nothing is left to put back\n"
 
 

@@ -206,3 +206,31 @@ class Between(threading.Thread):
         for end in (self.near, self.slave, self.far):
             if end is not None:
                 os.close(end)
+
+
+class Babbling(Between):
+    """An encoder that sends without end once it has answered `answers` times."""
+
+    def __init__(self, path, answers: int, noise: bytes, ends: bytes):
+        super().__init__(path, self.count_answer, ends)
+        self.left, self.noise = answers, noise
+        self.speaker = threading.Thread(target=self.babble, daemon=True)
+        os.set_blocking(self.near, False)
+
+    def count_answer(self, _, answer: bytes):
+        self.left -= 1
+        if self.left == -1:
+            self.speaker.start()
+        return answer if self.left >= 0 else None
+
+    def babble(self):
+        while not self.stopping:
+            if select.select([], [self.near], [], 0.05)[1]:
+                with contextlib.suppress(BlockingIOError):
+                    os.write(self.near, self.noise)
+
+    def __exit__(self, *_):
+        self.stopping = True
+        if self.speaker.is_alive():
+            self.speaker.join()
+        super().__exit__()
