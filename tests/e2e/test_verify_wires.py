@@ -75,6 +75,7 @@ ADAPTERS = {
     "extended frames": lambda _, __, line: b"T0000073F17F\r" + line,
     "remote frames": lambda _, __, line: b"r73F1\r" + line,
     "other nodes": lambda _, __, line: line.replace(b"t5BF", b"t585") + line,
+    "late answers to other uploads": lambda _, __, line: line[:9] + b"FF" + line[11:] + line,
     "half a frame": lambda _, __, line: line[:12] + b"\r" + line,
     "no digits": lambda _, __, line: b"tXYZ0\rt5BFX\rt5BF9\rtFFF0\r" + line,
 }

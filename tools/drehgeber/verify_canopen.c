@@ -94,6 +94,24 @@ int verify_canopen_receive_id(struct canopen *self, uint16_t id, dg_ns until,
     return -1;
 }
 
+/* The answer to the upload that was asked for last; late ones, to other uploads, are dropped. @return false:
+   none came that brings something */
+static bool await_upload(struct canopen *self, struct dg_can_frame *to)
+{
+    const uint16_t id = (uint16_t)(SDO_ANSWER + self->node);
+    const dg_ns until = self->base.since + ANSWER_MAX;
+    struct cf_report report = {0};
+    for (unsigned i = 0; i < LATE_MAX; i++) {
+        if (verify_canopen_receive_id(self, id, until, to, &report) != 1) {
+            return false;
+        }
+        if (to->dlc == 8 && memcmp(to->data + 1, self->request.data + 1, 3) == 0) {
+            return to->data[0] >> 5 == 2u;
+        }
+    }
+    return false;
+}
+
 /* Upload an object of at most four bytes. @return how many, 0: it was not answered so */
 size_t verify_canopen_upload(struct canopen *self, uint16_t index, uint8_t sub, uint32_t *value)
 {
@@ -104,11 +122,7 @@ size_t verify_canopen_upload(struct canopen *self, uint16_t index, uint8_t sub, 
     frame.data[1] = (uint8_t)index;
     frame.data[2] = (uint8_t)(index >> 8);
     frame.data[3] = sub;
-    if (!verify_canopen_send_frame(self, &frame, &report) ||
-        verify_canopen_receive_id(self, (uint16_t)(SDO_ANSWER + self->node),
-                                  self->base.since + ANSWER_MAX, &frame, &report) != 1 ||
-        frame.dlc != 8 || frame.data[0] >> 5 != 2u ||
-        memcmp(frame.data + 1, self->request.data + 1, 3) != 0) {
+    if (!verify_canopen_send_frame(self, &frame, &report) || !await_upload(self, &frame)) {
         return 0;
     }
     if ((frame.data[0] & 2u) == 0) {

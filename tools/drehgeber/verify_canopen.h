@@ -21,6 +21,8 @@
 #define FRAMES_MAX 4000u
 /* Frames that are kept for one that a row waits for later. */
 #define PASSED_MAX 16u
+/* Late answers that are dropped for one that is awaited. */
+#define LATE_MAX 16u
 /* Most objects that a row writes. */
 #define TOUCHED_MAX 40u
 #define TPDOS 4u
