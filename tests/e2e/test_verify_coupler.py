@@ -329,7 +329,7 @@ def test_one_that_never_stops_is_told_and_ends_it(folders, answers):
     if answers == 0:
         assert ended.stdout == "" and ended.stderr.startswith(f"drehgeber: {wire.where}: ") and ended.stderr.count("\n") == 1
     else:
-        assert "it ended early: the encoder was lost in the row" in ended.stdout
+        assert "it ended early: the encoder stopped answering in the row" in ended.stdout
 
 
 GARBAGE = {

@@ -116,7 +116,7 @@ def test_each_broken_encoder_is_found_and_named(verify, broken):
 
 def test_one_that_dies_is_told_and_ends_it(verify):
     ended = verify("s3684-biss", status=1, DEAF=40000)
-    assert "it ended early: the encoder was lost in the row" in ended.stdout
+    assert "it ended early: the encoder stopped answering in the row" in ended.stdout
 
 
 # --- writing

@@ -444,7 +444,7 @@ def test_every_form_says_the_same_of_a_clause(tmp_path, monkeypatch):
     (why,) = re.findall(r'^differs  M2<&>": (.*)$', lines.stdout, re.M)
     assert why == "canopen:6: sent 63F 40 18 10 01 00 00 00 00; expected 5BF 43 18 10 01 13 00 00 00; came 5BF 43 18 10 01 00 00 00 00"
     identity = "device type 00020196h, product 00000000h, revision 0, firmware 0"
-    two_things = "the manual says two things; see 'Inaccuracies and choices'"
+    two_things = "the manual contradicts itself; see 'Inaccuracies and choices'"
     total = "3 clauses agree, 1 differ, 1 were not seen\n"
     assert lines.stdout == (f'f3668: {identity}\nagrees   M1\nagrees   C1\ndiffers  M2<&>": {why}\nnot seen M3: {two_things}\n'
                             f"agrees   X1\n{total}")
