@@ -145,7 +145,7 @@ def test_one_that_never_stops_is_told_and_ends_it(crowd, encoder):
             if answers == 0:
                 assert ended.stdout == "" and ended.stderr.count("\n") == 1 and "answer" in ended.stderr
             else:
-                assert "it ended early: the encoder stopped answering in the row" in ended.stdout
+                assert "it ended early: the encoder was lost in the row" in ended.stdout
 
 
 # --- refusals -------------------------------------------------------------------------------------
@@ -154,7 +154,7 @@ def test_what_is_refused(tmp_path):
     nowhere = tmp_path / "nothing"
     assert "wire" in run_refused(2, "verify", "s3684-rs485")
     assert "model" in run_refused(2, "verify", "--tty=/dev/null")
-    assert "expected --sim or --gpio" in run_refused(2, "verify", "s3684-biss", "--tty=/dev/null")
+    assert "--gpio CHIP:CLOCK,DATA" in run_refused(2, "verify", "s3684-biss", "--tty=/dev/null")
     assert "no clause 9.9" in run_refused(2, "verify", "s3684-rs485", "9.9", f"--tty={nowhere}")
     assert str(nowhere) in run_refused(1, "verify", "s3684-rs485", f"--tty={nowhere}")
     assert "--node" in run_refused(1, "verify", "f3668", f"--slcan={nowhere}", "--node", "200")

@@ -115,7 +115,7 @@ def test_each_broken_encoder_is_found_and_named(verify, broken):
 
 
 def test_one_that_dies_is_told_and_ends_it(verify):
-    ended = verify("s3684-biss", status=1, DEAF=40000)
+    ended = verify("s3684-biss", status=1, DEAF=60000)
     assert "it ended early: the encoder stopped answering in the row" in ended.stdout
 
 
@@ -187,5 +187,6 @@ def test_what_is_refused():
     assert "only reads" in run_refused(2, "verify", "ssi-25", LINES, "--write")
     assert "no clause 9.9" in run_refused(2, "verify", "s3684-biss", LINES, "9.9")
     assert "--gpio=gpiochip0:4,5" in run_refused(2, "verify", "s3684-biss", "--sim")
+    assert "--gpio=CHIP:MA,SLO" in run_refused(1, "verify", "s3684-biss", "--silkit=silkit://127.0.0.1:8500,a")
     assert "CHIP:CLOCK,DATA" in run_refused(1, "verify", "ssi-25", "--gpio=gpiochip0")
     assert "no /dev/gpiochip77" in run_refused(1, "verify", "s3684-biss", "--gpio=gpiochip77:4,5")

@@ -408,6 +408,8 @@ static int find_biss_clock(struct biss *self, const char *where, struct lx_error
             self->master.fresh = self->bad > 0;
         }
         if (good == FRAMES_GOOD) {
+            verify_lines_settle(&self->wire);
+            suit_clock(self);
             return 0;
         }
         verify_stream_sleep(lx_real_now() + VERIFY_REST_MAX);

@@ -72,6 +72,11 @@ bool verify_lines_slow_down(struct verify_lines *self)
     return self->half <= VERIFY_HALF_MAX;
 }
 
+void verify_lines_settle(struct verify_lines *self)
+{
+    self->half *= self->half > VERIFY_HALF_FAST ? 2u : 1u;
+}
+
 /* A look and an edge have to fit into half a period, with some room. */
 static void measure_host(struct verify_lines *self)
 {

@@ -39,6 +39,9 @@ int verify_lines_open(struct verify_lines *self, const char *where, struct lx_er
 /* The next slower clock, as the encoder has not followed this one. False: there is none. */
 bool verify_lines_slow_down(struct verify_lines *self);
 
+/* The encoder has followed this clock. One that follows slowly gets twice the time that it needed. */
+void verify_lines_settle(struct verify_lines *self);
+
 /* From now on it counts how late this host is. */
 void verify_lines_begin(struct verify_lines *self);
 

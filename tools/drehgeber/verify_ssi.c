@@ -19,7 +19,7 @@
 #define READINGS 20u
 #define MOVES_MAX 8
 /* Words that have to be whole before a clock is said to suit the encoder. */
-#define WORDS_WHOLE 3u
+#define WORDS_WHOLE 6u
 /* What a wait is longer, so that the encoder's own times are over. */
 #define WAIT_ADDS DG_US(100)
 
@@ -312,6 +312,7 @@ static int find_ssi_clock(struct ssi *self, const char *where, struct lx_error *
             whole += read_whole_word(self, &frame) ? 1u : 0u;
         }
         if (whole == WORDS_WHOLE) {
+            verify_lines_settle(&self->wire);
             suit_model(self);
             return 0;
         }
