@@ -145,7 +145,7 @@ def test_one_that_never_stops_is_told_and_ends_it(crowd, encoder):
             if answers == 0:
                 assert ended.stdout == "" and ended.stderr.count("\n") == 1 and "answer" in ended.stderr
             else:
-                assert "it ended early: the encoder was lost in the row" in ended.stdout
+                assert "it ended early: the encoder stopped answering in the row" in ended.stdout
 
 
 # --- refusals -------------------------------------------------------------------------------------
