@@ -238,7 +238,7 @@ static bool step_control(void *ctx, char **words, size_t n, struct cf_report *re
 
     cf_join(b->frames.cdm, BITS_MAX + 1u, words, 1, equals);
     cf_join(want, BITS_MAX + 1u, words, equals + 1, n);
-    memcpy(b->frames.any, want, sizeof want);
+    memcpy(b->frames.any, want, strlen(want) + 1u);
     if (!clock_all_frames(b, report)) {
         return false;
     }
