@@ -76,8 +76,8 @@ static void close_made_up(struct lx_gpio_lines *lines)
 
 static const struct lx_gpio_lines_ops made_up = {
     .read = read_made_up,
-    .get_clock = clock_made_up,
-    .set_data = set_made_up,
+    .get_input = clock_made_up,
+    .set_output = set_made_up,
     .close = close_made_up,
 };
 
@@ -355,7 +355,7 @@ static void what_cannot_be_had_says_why(void **state)
     } lines[] = {
         {4, EBUSY, "line 4 is in use; 'gpioinfo' shows free ones"},
         {17, EBUSY, "line 17 is in use; 'gpioinfo' shows free ones"},
-        {4, EINVAL, "cannot use line 4: Invalid argument; MA needs edge detection"},
+        {4, EINVAL, "cannot use line 4: Invalid argument; an encoder needs edge detection there"},
         {17, EINVAL, "cannot use line 17: Invalid argument"},
     };
     struct lx_gpio_address address;

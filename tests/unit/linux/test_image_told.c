@@ -154,7 +154,7 @@ static void what_is_cut_off_is_told(void **state)
     is_taken(&eeprom, place, "");
     eeprom_close(&eeprom);
     assert_int_equal(truncate(place->path, size - 1), 0);
-    (void)snprintf(says, sizeof says, "cut off, %u of %u bytes; what is missing reads FFh",
+    (void)snprintf(says, sizeof says, "truncated, %u of %u bytes; missing bytes read FFh",
                    size - 1u, size);
     is_taken(&eeprom, place, says);
     eeprom_close(&eeprom);
@@ -174,7 +174,7 @@ static void what_will_grow_is_told(void **state)
     eeprom_write_bytes(place->path, eeprom.image.memory.bytes, dg_store_size(&older));
     eeprom_close(&eeprom);
     (void)snprintf(says, sizeof says,
-                   "of an earlier release, which will not take it any more: grows from %u to %u "
+                   "from an earlier release, which can no longer open it: grows from %u to %u "
                    "bytes",
                    dg_store_size(&older), dg_store_size(&dg_hf_layout));
     is_taken(&eeprom, place, says);
@@ -214,7 +214,7 @@ static void an_erase_that_was_interrupted_is_told(void **state)
     setup.nvm = (struct dg_nvm){&ops, &ending};
     assert_int_not_equal(eeprom.part.stack->format(&setup), DG_OK);
     eeprom_close(&eeprom);
-    is_taken(&eeprom, place, "NVM:ERASe was interrupted, and is ended now");
+    is_taken(&eeprom, place, "NVM:ERASe was interrupted, and is completed now");
     eeprom_close(&eeprom);
     is_taken(&eeprom, place, ""); /* it was */
     eeprom_close(&eeprom);
@@ -276,13 +276,13 @@ static void a_file_that_is_cut_off_is_told(void **state)
     is_taken(&eeprom, place, "");
     assert_int_equal(truncate(place->path, 100), 0);
     is_done(&eeprom, place, false, true,
-            "cut off to 100 bytes while in use; it is written again whole");
+            "truncated to 100 bytes while in use; the whole file is written again");
     is_done(&eeprom, place, false, true, "");
     is_done(&eeprom, place, true, true, "");
     assert_int_equal(eeprom_length_of(place->path), dg_store_size(&dg_hf_layout));
     assert_int_equal(truncate(place->path, 0), 0);
     is_done(&eeprom, place, true, true,
-            "cut off to 0 bytes while in use; it is written again whole");
+            "truncated to 0 bytes while in use; the whole file is written again");
     assert_int_equal(eeprom_length_of(place->path), dg_store_size(&dg_hf_layout));
     eeprom_close(&eeprom);
 }

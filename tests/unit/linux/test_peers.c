@@ -173,16 +173,16 @@ static void wires_beyond_loopback_are_told(void **state)
     } rows[] = {
         {COUPLER, ""},
         {"[encoder e]\nmodel = f3668\nwire = slcan:tcp:0.0.0.0:0,open\n",
-         "drehgeber: slcan:0.0.0.0:: beyond loopback; whoever reaches it is on this wire\n"},
+         "drehgeber: slcan:0.0.0.0:: beyond loopback; every machine that reaches it is on this wire\n"},
         {"[encoder e]\nmodel = f3668\nwire = socketcand:0.0.0.0:0,can0,open\n",
-         "drehgeber: socketcand:0.0.0.0:,can0: beyond loopback; whoever reaches it is on this "
+         "drehgeber: socketcand:0.0.0.0:,can0: beyond loopback; every machine that reaches it is on this "
          "wire\n"},
         {"[encoder e]\nmodel = s3684-rs485\nwire = rs485:rfc2217:0.0.0.0:0,open\n",
-         "drehgeber: rs485:rfc2217:0.0.0.0:: beyond loopback; whoever reaches it is on this wire\n"},
+         "drehgeber: rs485:rfc2217:0.0.0.0:: beyond loopback; every machine that reaches it is on this wire\n"},
         {"[encoder e]\nmodel = s3684-rs485\nwire = rs485:tcp:0.0.0.0:0,open\n",
-         "drehgeber: rs485:tcp:0.0.0.0:: beyond loopback; whoever reaches it is on this wire\n"},
+         "drehgeber: rs485:tcp:0.0.0.0:: beyond loopback; every machine that reaches it is on this wire\n"},
         {"[encoder e]\nmodel = ocd-ib-k3\nwire = modbus:0.0.0.0:0,open\n",
-         "drehgeber: modbus:0.0.0.0:: beyond loopback; whoever reaches it writes to this ring, as "
+         "drehgeber: modbus:0.0.0.0:: beyond loopback; every machine that reaches it writes to this ring, as "
          "with the real coupler\n"},
     };
     (void)state;

@@ -93,7 +93,7 @@ static const struct {
     {LX_RIG_PLAN, "[encoder e]\nmodel = ssi-25\nwire = sim\nnvm = new\n",
      "rig.ini:4: nvm: ssi-25 has no EEPROM; leave it out"},
     {LX_RIG_WORLD, "[encoder e]\nmodel = ocd-ib-k1\nwire = modbus:127.0.0.1:0\nnvm = new\n",
-     "rig.ini:4: nvm new: K1 and K2 have no EEPROM; leave it out, or have a K3"},
+     "rig.ini:4: nvm new: K1 and K2 have no EEPROM; leave it out, or use a K3"},
     {LX_RIG_WORLD, "[encoder e]\nmodel = ocd-ib-k1\nwire = modbus:127.0.0.1:0\nsteps = 1\nsteps_minus_one = 1\n",
      "rig.ini:3: device 0: these factory figures make no encoder; a K1 has at most 65536 steps, one with "
      "steps_minus_one at least 2"},

@@ -90,10 +90,9 @@ static void one_wire_of_real_time_keeps_time(void **state)
     (void)state;
     for (size_t i = 0; i < DG_COUNT(rigs); i++) {
         struct virtual_rig *rig = open_rig(rigs[i]);
-        refuses(
-            rig, "TIME:SCAL 0",
-            "-221,\"Settings conflict;a wire of this rig runs in real time; only sim wires need "
-            "not\"");
+        refuses(rig, "TIME:SCAL 0",
+                "-221,\"Settings conflict;a wire of this rig runs in real time; expected only sim "
+                "wires\"");
         answers(rig, "TIME:SCAL?", "1.000");
         close_rig(rig);
     }

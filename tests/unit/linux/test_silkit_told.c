@@ -189,10 +189,11 @@ static void ports_are_where_the_registry_is(void **state)
             assert_string_equal(strstr(config, ".silkit"), ".silkit\",\"tcp://127.0.0.1:0\"]}}");
         } else {
             assert_string_equal(bench.fake->config, "{\"Logging\":{\"Sinks\":[]}}");
-            (void)snprintf(wanted, sizeof wanted,
-                           "drehgeber: silkit://%s:1: beyond loopback; whoever reaches the ports "
-                           "of cell turns its shafts and is on its wires\n",
-                           rows[i].host);
+            (void)snprintf(
+                wanted, sizeof wanted,
+                "drehgeber: silkit://%s:1: beyond loopback; every machine that reaches the ports "
+                "of cell can turn its shafts and is on its wires\n",
+                rows[i].host);
         }
         assert_string_equal(said, wanted);
         close_bench(&bench);
@@ -365,23 +366,23 @@ static void messages_of_another_length_are_told_once_per_topic(void **state)
         const char *says;
     } rows[] = {
         {"LINE/request", 4097,
-         "drehgeber: SIL Kit: LINE/request: a message of 4097 bytes is left out, as are more such "
-         "ones; expected at most 4096\n"},
+         "drehgeber: SIL Kit: LINE/request: a message of 4097 bytes is ignored, and so are all others of a wrong "
+         "length; expected at most 4096\n"},
         {"LINE/request", 4098, ""},
         {"LINE/request", 4096, ""},
         {"CHAIN/latch", 1,
-         "drehgeber: SIL Kit: CHAIN/latch: a message of 1 bytes is left out, as are more such ones; "
+         "drehgeber: SIL Kit: CHAIN/latch: a message of 1 bytes is ignored, and so are all others of a wrong length; "
          "expected 0\n"},
         {"RING/out", 3,
-         "drehgeber: SIL Kit: RING/out: a message of 3 bytes is left out, as are more such ones; "
+         "drehgeber: SIL Kit: RING/out: a message of 3 bytes is ignored, and so are all others of a wrong length; "
          "expected 4\n"},
         {"RING/out", 5, ""},
         {"PACK/frames/to", 5,
-         "drehgeber: SIL Kit: PACK/frames/to: a message of 5 bytes is left out, as are more such "
-         "ones; expected packed frames\n"},
+         "drehgeber: SIL Kit: PACK/frames/to: a message of 5 bytes is ignored, and so are all others of a wrong "
+         "length; expected packed frames\n"},
         {"cell/shaft/axis/turn", 17,
-         "drehgeber: SIL Kit: cell/shaft/axis/turn: a message of 17 bytes is left out, as are more "
-         "such ones; expected 16\n"},
+         "drehgeber: SIL Kit: cell/shaft/axis/turn: a message of 17 bytes is ignored, and so are all others of a "
+         "wrong length; expected 16\n"},
         {"cell/shaft/axis/turn", 15, ""},
     };
     struct bench bench;
@@ -413,7 +414,7 @@ static void the_end_of_others_is_told(void **state)
         {GONE, "drive", true, "drehgeber: SIL Kit: drive has left the simulation\n"},
         {GONE, "drive", false, "drehgeber: SIL Kit: drive has left the simulation\n"},
         {GONE, "SilKitRegistry", true,
-         "drehgeber: SIL Kit: the registry has gone; who is here goes on, nobody can join\n"},
+         "drehgeber: SIL Kit: the registry has gone; present participants continue, no other can join\n"},
         {GONE, "SilKitRegistry", false,
          "drehgeber: SIL Kit: the registry has gone before the simulation has begun\n"},
         {STOPPED, NULL, true, "drehgeber: SIL Kit: the simulation has ended\n"},

@@ -465,7 +465,7 @@ static void somebody_else_is_left_at_once(void **state)
         const char *line;
         const char *trouble;
     } rows[] = {
-        {"\n", "no connection, trying again: that is no control plane"},
+        {"\n", "no connection, trying again: that is not a control plane"},
         {"HTTP/1.1 400\n", "no connection, trying again: HTTP/1.1 400"},
         {"2000.0;\"a\";\"s\"\n", "no connection, trying again: 2000.0"},
         {"\x1b[2J\x7f~\n", "no connection, trying again: ?[2J?~"},
