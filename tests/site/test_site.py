@@ -6,6 +6,7 @@ import json
 import os
 import posixpath
 import re
+import shutil
 import struct
 import subprocess
 import sys
@@ -75,8 +76,7 @@ def site(tmp_path_factory) -> Path:
     folder = tmp_path_factory.mktemp("site")
     done = subprocess.run([TREE / "tools/site/build", os.environ["DREHGEBER"], folder], text=True,
                           stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=180,
-                          env=os.environ | {"DREHGEBER_SITE_ENV": sys.prefix, "DREHGEBER_REPOSITORY": SOURCES,
-                                            "DREHGEBER_SITE_VERSIONS": "1"}, check=False)
+                          env=os.environ | {"DREHGEBER_SITE_ENV": sys.prefix, "DREHGEBER_REPOSITORY": SOURCES}, check=False)
     assert (done.returncode, done.stdout) == (0, "")
     return folder
 
@@ -143,13 +143,16 @@ def test_playground_is_in_the_menu(site, pages):
     assert not list((site / "playground").glob("screenshot*"))
 
 
-def test_every_page_has_logo_sources_and_versions(site, pages):
-    menu = [name for name, page in pages.items() if not name.startswith("playground/")]
-    for name in menu:
+def of_theme(names):
+    """Pages that are made of text."""
+    return [name for name in names if not name.startswith("playground/")]
+
+
+def test_every_page_has_logo_and_sources(pages):
+    for name in of_theme(pages):
         root = "/" if name == "404.html" else posixpath.relpath(".", posixpath.dirname(name) or ".") + "/"
         assert posixpath.normpath(root + "logo.svg") in map(posixpath.normpath, pages[name].loaded), name
         assert SOURCES in pages[name].links, name
-        assert '"version": {"provider": "mike"}' in (site / name).read_text(encoding="utf-8"), name
 
 
 def test_the_first_page_shows_the_playground(pages):
@@ -173,6 +176,20 @@ def test_sites_of_several_versions(tmp_path):
     assert 'href="1.0.0/index.html"' in (tmp_path / "index.html").read_text()
     refused = versions(tmp_path / "draft")
     assert (refused.returncode, "expected 1.0.0/index.html" in refused.stderr) == (1, True)
+
+
+def test_every_page_of_each_version_has_the_switch(site, pages, tmp_path):
+    """Once, also when it is asked for again. All other files stay as they are."""
+    folders = [tmp_path / name for name in ("0.3.0", "1.0.0")]
+    for folder in folders:
+        shutil.copytree(site, folder)
+    assert versions(tmp_path).returncode == versions(tmp_path).returncode == 0
+    files_of_site = [path.relative_to(site) for path in site.rglob("*") if path.is_file()]
+    for folder in folders:
+        changed = [name for name in files_of_site if (folder / name).read_bytes() != (site / name).read_bytes()]
+        assert sorted(map(str, changed)) == sorted(of_theme(pages))
+        for name in changed:
+            assert (folder / name).read_text(encoding="utf-8").count('"version": {"provider": "mike"}') == 1, name
 
 
 @pytest.mark.parametrize("picture", ["docs/biss.svg", "docs/drehgeber.svg"])

@@ -122,8 +122,7 @@ def make_site(work: Work) -> None:
     shutil.copytree(work.sources / "build/web/playground", program / "playground")
     shutil.copy(work.packages / "usr/bin/drehgeber", program)
     site = work.folder / "site"
-    work.run("tools/site/build", program / "drehgeber", site,
-             DREHGEBER_SITE_ENV=work.site_environment, DREHGEBER_SITE_VERSIONS="1")
+    work.run("tools/site/build", program / "drehgeber", site, DREHGEBER_SITE_ENV=work.site_environment)
     work.pack(site, f"{work.name}-site")
 
 

@@ -98,13 +98,6 @@ def _playground(config) -> list:
     return [File.generated(config, f"{PLAYGROUND}/{path.name}", abs_src_path=str(path)) for path in paths]
 
 
-def on_config(config):
-    """Sites of several versions beside each other have a switch; tools/site/versions writes what it reads."""
-    if os.environ.get("DREHGEBER_SITE_VERSIONS"):
-        config.extra["version"] = {"provider": "mike"}
-    return config
-
-
 def on_files(files, config):
     pages = {path for path in files_of_tree(str(TREE), suffixes=(".md",)) if not path.startswith(LEFT_OUT)}
     texts = {path: (TREE / path).read_text(encoding="utf-8") for path in pages}

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """The site in Debian's Chromium. Its own search: what a newcomer types into it, and whether the page that answers is among
 what he sees without scrolling; it says how long typing, finding and opening took. Pages: what axe-core finds, light and dark, and
-names that stay in one piece.
+names that stay in one piece. The switch between the pages of two versions.
 
 usage: with DREHGEBER, the program; DREHGEBER_PAGES: `few` (axe-core looks at as few pages as have every kind of element) or
 `whole`"""
@@ -9,10 +9,12 @@ usage: with DREHGEBER, the program; DREHGEBER_PAGES: `few` (axe-core looks at as
 import functools
 import json
 import os
+import shutil
 import subprocess
 import sys
 import threading
 import time
+from contextlib import contextmanager
 from html.parser import HTMLParser
 from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
@@ -75,12 +77,19 @@ def folder(tmp_path_factory):
     return made
 
 
-@pytest.fixture(scope="module")
-def site(folder):
+@contextmanager
+def served(folder):
+    """@return its address"""
     with ThreadingHTTPServer(("127.0.0.1", 0), functools.partial(Quiet, directory=folder)) as server:
         threading.Thread(target=server.serve_forever, daemon=True).start()
         yield f"http://127.0.0.1:{server.server_port}"
         server.shutdown()
+
+
+@pytest.fixture(scope="module")
+def site(folder):
+    with served(folder) as address:
+        yield address
 
 
 @pytest.fixture(scope="module")
@@ -179,3 +188,17 @@ def test_axe_finds_nothing_serious(browser, site, pages, scheme, kept, options):
     found += [f"results of the search: {text}" for text in serious(page, options)]
     page.close()
     assert found == []
+
+
+def test_the_switch_leads_to_the_other_version_and_back(browser, folder, tmp_path):
+    for version in ("0.3.0", "1.0.0"):
+        shutil.copytree(folder, tmp_path / version)
+    subprocess.run([TREE / "tools/site/versions", tmp_path], check=True, timeout=MINUTE_S)
+    with served(tmp_path) as address, browser.new_page() as page:
+        page.goto(f"{address}/1.0.0/docs/rigs.html")
+        for version in ("0.3.0", "1.0.0"):
+            page.hover(".md-version", timeout=WAIT_MS)
+            assert page.locator(".md-version__link").all_text_contents() == ["1.0.0", "0.3.0"]
+            page.click(f".md-version__link:text-is('{version}')", timeout=WAIT_MS)
+            page.wait_for_url(f"{address}/{version}/**", timeout=WAIT_MS)
+            assert page.inner_text(".md-version__current", timeout=WAIT_MS) == version
