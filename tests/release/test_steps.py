@@ -21,6 +21,21 @@ GITLAB = {"GITLAB_CI": "true", "CI_COMMIT_TAG": TAG, "CI_API_V4_URL": "https://e
           "CI_JOB_TOKEN": "x", "CI_REGISTRY": "registry.example.org", "CI_REGISTRY_IMAGE": "registry.example.org/some/drehgeber",
           "CI_REGISTRY_USER": "somebody", "CI_REGISTRY_PASSWORD": "x"}
 FOLDER = f"build/releases/drehgeber-{VERSION}"
+# What a forge has published: programs that answer as it does, from archives in {archives}.
+EARLIER = "0.2.9"
+PUBLISHED = {"gh": """case "$1 $2" in
+"release list") printf 'v{earlier}\\n{tag}\\n' ;;
+"release download") cp "{archives}/$5" "$7" ;;
+esac
+""", "curl": """for word; do
+    [ "${{before-}}" != --output ] || output=$word
+    before=$word
+done
+case $word in
+*/releases*) echo '[{{"tag_name": "v{earlier}"}}, {{"tag_name": "{tag}"}}]' ;;
+*) cp "{archives}/${{word##*/}}" "$output" ;;
+esac
+"""}
 FILES = ("NOTES.md", f"drehgeber-{VERSION}-site.tar.gz", "f3668.eds")
 
 
@@ -46,19 +61,24 @@ def fixture_released(tree, tmp_path):
     folder.mkdir(parents=True)
     (folder / "NOTES.md").write_text("# News\n", encoding="utf-8")
     (folder / "f3668.eds").write_text("x", encoding="utf-8")
-    (tmp_path / "site").mkdir()
-    (tmp_path / "site/index.html").write_text("<p>", encoding="utf-8")
-    with tarfile.open(folder / f"drehgeber-{VERSION}-site.tar.gz", "w:gz") as packed:
-        packed.add(tmp_path / "site", "site")
+    (folder / f"drehgeber-{VERSION}-site.tar.gz").write_bytes(b"")
     return tree
 
 
-def step(tree: Path, name: str, variables: dict, status: int = 0) -> list[str]:
+def pack_site(folder: Path, version: str) -> None:
+    """An archive of a page that has the version as text."""
+    (folder / "site").mkdir(parents=True, exist_ok=True)
+    (folder / "site/index.html").write_text(version, encoding="utf-8")
+    with tarfile.open(folder / f"drehgeber-{version}-site.tar.gz", "w:gz") as packed:
+        packed.add(folder / "site", f"drehgeber-{version}-site")
+
+
+def step(tree: Path, name: str, variables: dict, status: int = 0, answers: dict | None = None) -> list[str]:
     """@return how others were called"""
     said, programs = tree / "build/said", tree / "build/programs"
     programs.mkdir(parents=True, exist_ok=True)
     for program in ("gh", "curl", "docker"):
-        (programs / program).write_text(RECORD.format(said=said), encoding="utf-8")
+        (programs / program).write_text(RECORD.format(said=said) + (answers or {}).get(program, ""), encoding="utf-8")
         (programs / program).chmod(0o755)
     environment = {name: value for name, value in os.environ.items() if not name.startswith(("GITHUB_", "GITLAB_", "CI_"))}
     ended = subprocess.run([tree / ".ci/release", name], text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False,
@@ -78,9 +98,27 @@ def test_a_tag_of_another_version_is_refused(tree, origin):
     step(tree, "tag", {"GITHUB_REF_NAME": "v9.8.7"}, status=1)
 
 
-def test_the_site(released):
-    step(released, "site", GITHUB)
-    assert (released / "public/index.html").read_text(encoding="utf-8") == "<p>"
+def published(archives: Path, *versions: str) -> dict:
+    """What step() needs for a forge that has released two versions, and has sites of these."""
+    for version in versions:
+        pack_site(archives, version)
+    return {name: text.format(tag=TAG, earlier=EARLIER, archives=archives) for name, text in PUBLISHED.items()}
+
+
+@pytest.mark.parametrize("variables", [GITHUB, GITLAB], ids=["github", "gitlab"])
+def test_the_sites(tree, tmp_path, variables):
+    """Of all releases; what a run before has left is gone."""
+    (tree / "public/0.0.1").mkdir(parents=True)
+    (tree / "public/0.0.1/index.html").touch()
+    step(tree, "site", variables, answers=published(tmp_path / "archives", EARLIER, VERSION))
+    rows = json.loads((tree / "public/versions.json").read_text(encoding="utf-8"))
+    assert [row["version"] for row in rows] == [VERSION, EARLIER]
+    for version in (EARLIER, VERSION):
+        assert (tree / f"public/{version}/index.html").read_text(encoding="utf-8") == version
+
+
+def test_a_site_that_cannot_be_fetched_is_an_error(tree, tmp_path):
+    step(tree, "site", GITHUB, status=1, answers=published(tmp_path / "archives", VERSION))
 
 
 def test_a_release_on_github(released):
