@@ -15,7 +15,7 @@
  * the wire carries is told by `ops` inside of them, in the order of time; `ops` must not call back.
  * A moment before the latest one is taken for that one, and so is DG_NEVER, which is no moment:
  * many encoders have something to do for ever, and time does not go back. A bus and its encoders
- * are for one thread at a time. This header may change until 1.0.
+ * are for one thread at a time.
  */
 #ifndef DREHGEBER_BUS_H
 #define DREHGEBER_BUS_H

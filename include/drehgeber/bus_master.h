@@ -12,7 +12,7 @@
  * The time is the master's and runs on by as much as it clocks. What a protocol's frame is, its
  * struct dg_master_protocol knows: an object and a file each, src/PROTOCOL/master.c, linked by who
  * names it. Who looks at the bus (dg_bus_watch()) is told each frame in words, as a DG_TAP_NOTE
- * whose text lasts no longer than the call. This header may change until 1.0.
+ * whose text lasts no longer than the call.
  */
 #ifndef DREHGEBER_BUS_MASTER_H
 #define DREHGEBER_BUS_MASTER_H

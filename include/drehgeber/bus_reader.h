@@ -15,8 +15,6 @@
  *   stir                      run                  run
  *    v                          v                    v
  *   --x----x----x----o----o----x----o----o----o----x--   x clocked, o counted
- *
- * This header may change until 1.0.
  */
 #ifndef DREHGEBER_BUS_READER_H
 #define DREHGEBER_BUS_READER_H

@@ -22,8 +22,7 @@
  * `dg_host_size()` bytes at a multiple of DG_HOST_ALIGN, and must not be moved.
  *
  * ABI: names, types, values and layouts in this header stay what they are until the SONAME of the
- * library changes; what is added comes behind. tests/abi has the list. No other header promises
- * that.
+ * library changes; what is added comes behind. tests/abi has the list.
  */
 #ifndef DREHGEBER_HOST_H
 #define DREHGEBER_HOST_H

@@ -6,7 +6,7 @@
  * whatever a host has in the place of a TCP connection. Telnet's binary, suppress go ahead and COM
  * port are done both ways, all other options are declined. Data are eight bits without a meaning
  * from the first byte on, as every client of this option sends them. An object of its own, that an
- * image without it does not carry. This header may change until 1.0.
+ * image without it does not carry.
  */
 #ifndef DREHGEBER_RFC2217_H
 #define DREHGEBER_RFC2217_H

@@ -3,7 +3,7 @@
  * @file
  * A rig as a text says it: shafts, wires and encoders on them. The reader takes the text of a rig
  * file and makes a plan of it, in memory of the host: it opens nothing, and whatever can be known
- * without opening anything is checked. This header may change until 1.0.
+ * without opening anything is checked.
  *
  *   struct dg_plan_setup setup = {sizeof setup, "bench.ini", text, n, memory, size, ...};
  *   struct dg_plan plan;

@@ -19,7 +19,7 @@
  *
  * Nothing is allocated and nothing happens outside of these calls; memory is at a multiple of
  * DG_HOST_ALIGN, must not be moved, and is all that there is to give back. How much that is stands
- * when the plan does. This header may change until 1.0.
+ * when the plan does.
  */
 #ifndef DREHGEBER_RIG_ENGINE_H
 #define DREHGEBER_RIG_ENGINE_H

@@ -9,8 +9,6 @@
  *   dg_ib_coupler_init(&coupler, &master, false)
  *   dg_ib_coupler_request(&coupler, now)       behind each request's arrival
  *   if dg_ib_coupler_readable(): dg_ib_coupler_read(), likewise to write
- *
- * This header may change until 1.0.
  */
 #ifndef DREHGEBER_RING_COUPLER_H
 #define DREHGEBER_RING_COUPLER_H

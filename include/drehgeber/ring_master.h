@@ -16,8 +16,7 @@
  * cycles in real time: what is late then is left out and counted. So does a ring with a fault of
  * its wire.
  *
- * Time and OUT image are the host's. Nothing happens outside of these calls. This header may change
- * until 1.0.
+ * Time and OUT image are the host's. Nothing happens outside of these calls.
  */
 #ifndef DREHGEBER_RING_MASTER_H
 #define DREHGEBER_RING_MASTER_H

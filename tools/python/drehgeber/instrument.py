@@ -56,7 +56,7 @@ class Instrument:
     def state(self, raw: Literal[True]) -> dict[str, str]: ...
     def state(self, raw: bool = False) -> dict[str, Any]:
         """STATe? as a dictionary: numbers as int, what there is not at the moment as None, words and lists of
-        codes (`errors`, `leds`, `courses`, `shared_ids`) as str. With `raw`, until the next minor version, all of it as str."""
+        codes (`errors`, `leds`, `courses`, `shared_ids`) as str. With `raw` all of it as str."""
         found: dict[str, Any] = {}
         for part in self.parts("STAT?"):
             key, _, value = part.partition("=")
