@@ -317,17 +317,8 @@ enum dg_ib_led {
 /** The LEDs at `now`: enum dg_ib_led, combined. Without power 0. */
 DG_API uint8_t dg_ib_leds(const struct dg_ib *self, dg_ns now);
 
-/** Numbers of a ring as programs of 0.3 know them; the ring is bus_words.h, which has the same. */
+/** Most encoders in a ring: DG_RING_MAX of bus_words.h, for who knows no bus. */
 #define DG_IB_RING_MAX 512u
-#define DG_IB_DEAD_CYCLES 5u
-#define DG_IB_RING_WHOLE UINT16_MAX
-enum dg_ib_ring_result {
-    DG_IB_RING_OK,
-    DG_IB_RING_CRC,
-    DG_IB_RING_DEAD,
-    DG_IB_RING_INTERRUPTED,
-    DG_IB_RING_IDENTIFY,
-};
 
 /** Bit times of a data cycle of n bytes and m devices: 13 * (6 + n) + 4 * m. */
 DG_API uint32_t dg_ib_bit_times(uint32_t bytes, uint32_t devices);

@@ -7,15 +7,15 @@
 #ifndef DREHGEBER_VERSION_H
 #define DREHGEBER_VERSION_H
 
-/** While MAJOR is 0, MINOR changes when an interface does. */
-#define DG_VERSION_MAJOR 0
-#define DG_VERSION_MINOR 3
+/** MAJOR changes when something goes that was promised, MINOR when something is added. */
+#define DG_VERSION_MAJOR 1
+#define DG_VERSION_MINOR 0
 #define DG_VERSION_PATCH 0
 
 /** "major.minor.patch" */
-#define DG_VERSION "0.3.0"
+#define DG_VERSION "1.0.0"
 
 /** When this version was released: "month-day-year", as EDS files have it. */
-#define DG_RELEASED "11-23-2026"
+#define DG_RELEASED "11-29-2026"
 
 #endif

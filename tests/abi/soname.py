@@ -14,9 +14,9 @@ from pathlib import Path
 HEADER = "include/drehgeber/version.h"
 # major, minor: SONAME; what else is asked for, and whether it is taken
 ROWS = {
-    (0, 9): ("libdrehgeber.so.0.9", {"0.9": True, "0.8": False, "1.0": False}),
     (1, 0): ("libdrehgeber.so.1", {"1.0": True, "0.9": False}),
     (1, 4): ("libdrehgeber.so.1", {"1.0": True, "1.4": True, "1.5": False, "2.0": False}),
+    (2, 0): ("libdrehgeber.so.2", {"2.0": True, "1.4": False}),
 }
 ASK = """set(PACKAGE_FIND_VERSION {asked}.0)
 set(PACKAGE_FIND_VERSION_MAJOR {major})

@@ -35,9 +35,9 @@ def version_of(tree):
 
 
 def parts(version):
-    """What each of PLACES may have. The SONAME is as CMakeLists.txt makes it: while major is 0, minor belongs to it."""
+    """What each of PLACES may have. The SONAME is as CMakeLists.txt makes it."""
     major, minor, _ = version.split(".")
-    return {"version": version, "minor": f"{major}.{minor}", "soname": f"0.{minor}" if major == "0" else major}
+    return {"version": version, "minor": f"{major}.{minor}", "soname": major}
 
 
 def compare_days(tree):

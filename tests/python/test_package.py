@@ -13,6 +13,7 @@ from pathlib import Path
 import drehgeber
 import drehgeber.cocotb
 import pytest
+from drehgeber import _native
 
 HERE = Path(__file__).resolve().parent
 TREE = HERE.parents[1]
@@ -146,4 +147,19 @@ def test_another_library_by_its_path(tmp_path):
 def test_a_library_of_another_version(tmp_path):
     script = "import drehgeber; drehgeber.__version__ = '0.0.9'; drehgeber.Encoder('f3668')"
     done = run("-c", script, cwd=tmp_path)
-    assert f"is of version {drehgeber.__version__}, and this package needs 0.0" in done.stderr
+    assert f"is of version {drehgeber.__version__}, and this package needs 0.0 or a later 0.x" in done.stderr
+
+
+@pytest.mark.parametrize("version, fits", [("1.2.0", True), ("1.2.7", True), ("1.10.0", True), ("1.1.9", False), ("2.3.0", False)])
+def test_a_later_minor_version_has_what_the_package_needs(monkeypatch, version, fits):
+    monkeypatch.setattr(drehgeber, "__version__", "1.2.3")
+    if fits:
+        _native._check_version("lib.so", version)
+    else:
+        with pytest.raises(drehgeber.EncoderError, match="needs 1.2 or a later 1.x"):
+            _native._check_version("lib.so", version)
+
+
+def test_a_folder_of_sources_takes_any_library(monkeypatch):
+    monkeypatch.setattr(drehgeber, "__version__", "0")
+    _native._check_version("lib.so", "1.2.0")

@@ -10,9 +10,10 @@ from pathlib import Path
 
 TREE = Path(__file__).resolve().parents[2]
 sys.path.append(str(TREE / "tests/gates"))
-from versions import version_of  # noqa: E402
+from versions import parts, version_of  # noqa: E402
 
 VERSION = version_of(str(TREE))[0]
+SONAME = parts(VERSION)["soname"]
 AUTHOR = ("-c", "user.name=A Tester", "-c", "user.email=tester@example.org")
 
 

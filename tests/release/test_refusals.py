@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from copies import VERSION, change, copy_tree, git, release
+from copies import SONAME, VERSION, change, copy_tree, git, release
 
 OTHER = "9.8.7"
 TAG = f"v{VERSION}"
@@ -59,8 +59,8 @@ def test_an_unknown_file(tree):
     ("library.json", VERSION, OTHER, f"library.json: version {OTHER} is not {VERSION} of include/drehgeber/version.h"),
     ("idf_component.yml", VERSION, OTHER, f"idf_component.yml: version {OTHER} is not {VERSION} of include/drehgeber/version.h"),
     ("debian/changelog", VERSION, OTHER, f"debian/changelog: version {OTHER} is not {VERSION} of include/drehgeber/version.h"),
-    ("debian/control", f"libdrehgeber{MINOR} ", "libdrehgeber9 ",
-     f"debian/control: soname 9 is not {MINOR} of include/drehgeber/version.h"),
+    ("debian/control", f"libdrehgeber{SONAME} ", "libdrehgeber9 ",
+     f"debian/control: soname 9 is not {SONAME} of include/drehgeber/version.h"),
     ("docs/install.md", f"drehgeber {MINOR} ", "drehgeber 9.8 ",
      f"docs/install.md: minor 9.8 is not {MINOR} of include/drehgeber/version.h"),
     ("include/drehgeber/version.h", r"(MAJOR \d+)", r"\g<1>9", f"include/drehgeber/version.h: {VERSION.split('.')[0]}9."

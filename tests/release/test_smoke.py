@@ -154,7 +154,7 @@ def test_consumers_of_the_sources(sources, tmp_path, how):
 
 def test_consumers_of_the_package(sources, tmp_path):
     """CMake's find_package() in what the development packages have."""
-    for package in (*RELEASE.glob("libdrehgeber0*.deb"), one("libdrehgeber-dev_*.deb"), one("drehgeber_*.deb")):
+    for package in (*RELEASE.glob("libdrehgeber[0-9]*.deb"), one("libdrehgeber-dev_*.deb"), one("drehgeber_*.deb")):
         call("dpkg-deb", "-x", package, tmp_path / "root")
     (tmp_path / "prefix").symlink_to(tmp_path / "root/usr")
     call(TREE / "tests/package/consumer", "find-package", sources, tmp_path)

@@ -118,20 +118,25 @@ def octets(data: Any, what: str) -> bytes:
 
 
 def _candidate() -> str:
-    """$DREHGEBER_LIBRARY, else the wheel's own, else the system's of this minor version: it is what
-    the layouts were taken from."""
+    """$DREHGEBER_LIBRARY, else the wheel's own, else the system's of this major version."""
+    from . import __version__
+
     named = os.environ.get("DREHGEBER_LIBRARY")
     if named:
         return named
     own = Path(__file__).with_name(NAME)
-    return str(own) if own.exists() else f"{NAME}.{_minor()}"
+    return str(own) if own.exists() else f"{NAME}.{__version__.partition('.')[0]}"
 
 
-def _minor() -> str:
-    """Of this package: layouts hold for a minor version."""
+def _check_version(path: str, version: str) -> None:
+    """Layouts hold for a major version, and a later minor version has all that an earlier one has. A folder of sources
+    has no version: it takes the library that it is told to take."""
     from . import __version__
 
-    return ".".join(__version__.split(".")[:2])
+    theirs, own = ([int(part) for part in text.split(".")[:2]] for text in (version, __version__))
+    if own != [0] and (theirs[0] != own[0] or theirs < own):
+        needed = f"{own[0]}.{own[1]} or a later {own[0]}.x"
+        raise EncoderError(f"{path} is of version {version}, and this package needs {needed}")
 
 
 @functools.cache
@@ -150,9 +155,7 @@ def load() -> tuple[Any, Any]:
     except OSError as error:
         raise EncoderError(str(error)) from error
     text: Any = ffi.string(lib.dg_version())
-    version = text.decode()
-    if not f"{version}.".startswith(f"{_minor()}."):
-        raise EncoderError(f"{path} is of version {version}, and this package needs {_minor()}")
+    _check_version(path, text.decode())
     return ffi, lib
 
 
