@@ -177,6 +177,17 @@ def test_no_upload_is_left_open(crowd):
     assert behind == [b"t63F860", b"t63F880"]  # of the row that reads its segments; before the row that writes
 
 
+def test_what_is_measured_may_be_something_else_then(crowd):
+    """A row writes objects that cannot be written: one of them is a speed."""
+    written = []
+
+    def turn(request, answer):
+        written.extend([request] if b"t63F823612100" in request else [])
+        return answer[:13] + b"07000000\r" if written and answer.startswith(b"t5BF843612100") else answer
+
+    assert agree(crowd, "measured", "M19-16", alter=turn) and written
+
+
 # --- the journal ----------------------------------------------------------------------------------
 
 HEAD, NOTE = "of s3684-rs485\n", "b 000 42 00 27 25 51 .\n"
