@@ -74,6 +74,16 @@ def test_another_setting_is_not_understood(options):
         assert port.read(7) == AT_90
 
 
+def test_in_real_time_a_reply_arrives_by_itself():
+    """... whether or not somebody reads."""
+    with open_port(URL + "&time=real") as port:
+        port.write(ASK)
+        end = time.monotonic() + 5
+        while port.in_waiting < 7 and time.monotonic() < end:
+            time.sleep(0.001)
+        assert port.in_waiting == 7 and port.read(7) == AT_90
+
+
 def test_real_time_takes_its_time():
     with open_port(URL + "&time=real") as port:
         begin = time.monotonic()
