@@ -435,6 +435,7 @@ def test_every_form_says_the_same_of_a_clause(tmp_path, monkeypatch):
                                            '[M2<&>"] the vendor\n  given f3668\n  read 1018:1 13 00 00 00\n')
     (tmp_path / "cia406.clauses").write_text("X1 | of the profile\n")
     (tmp_path / "cia406.rows").write_text("[X1] a row\n  given f3668\n  read 1000:0 96 01 02 00\n")
+    bus, profile = WIRES["f3668"][2]
     monkeypatch.setenv("DREHGEBER_CLAUSES", str(tmp_path))
     with Node() as node:
         lines = verify(node, "--junit", tmp_path / "junit.xml", "--report", tmp_path / "report.txt")
@@ -450,18 +451,18 @@ def test_every_form_says_the_same_of_a_clause(tmp_path, monkeypatch):
                             f"agrees   X1\n{total}")
     assert (tmp_path / "junit.xml").read_text("utf-8") == (
         '<?xml version="1.0" encoding="UTF-8"?>\n<testsuite name="f3668" tests="5" failures="1" skipped="1">\n'
-        '  <testcase classname="canopen" name="M1"/>\n  <testcase classname="canopen" name="C1"/>\n'
-        f"""  <testcase classname="canopen" name="{in_xml('M2<&>"')}"><failure message="{why}"/></testcase>\n"""
-        f'  <testcase classname="canopen" name="M3"><skipped message="{two_things}"/></testcase>\n'
-        '  <testcase classname="cia406" name="X1"/>\n</testsuite>\n')
+        f'  <testcase classname="{bus}" name="M1"/>\n  <testcase classname="{bus}" name="C1"/>\n'
+        f"""  <testcase classname="{bus}" name="{in_xml('M2<&>"')}"><failure message="{why}"/></testcase>\n"""
+        f'  <testcase classname="{bus}" name="M3"><skipped message="{two_things}"/></testcase>\n'
+        f'  <testcase classname="{profile}" name="X1"/>\n</testsuite>\n')
     version = run("--version").stdout.split()[1]
     assert (tmp_path / "report.txt").read_text("utf-8") == (
         f"Model: f3668\nThe encoder says: {identity}\ndrehgeber: {version}\n\n{total}\nDifferences\n\n"
         f'- canopen M2<&>": differs: {why}\n\nChoices that this encoder settles\n\n- canopen C1: agrees\n')
     assert json.loads(as_json.stdout) == [
         {"suite": suite, "clause": clause, "result": result, "why": text} for suite, clause, result, text in (
-            ("canopen", "M1", "agrees", ""), ("canopen", "C1", "agrees", ""), ("canopen", 'M2<&>"', "differs", why),
-            ("canopen", "M3", "not seen", two_things), ("cia406", "X1", "agrees", ""))]
+            (bus, "M1", "agrees", ""), (bus, "C1", "agrees", ""), (bus, 'M2<&>"', "differs", why),
+            (bus, "M3", "not seen", two_things), (profile, "X1", "agrees", ""))]
 
 
 def test_a_report_of_nothing(tmp_path, monkeypatch):

@@ -67,7 +67,6 @@ ALLOWED = {
     "tests/e2e/test_models.py": COMMAND,
     "tests/e2e/test_manual.py": COMMAND,
     "tests/e2e/test_trace_tools.py": COMMAND,
-    "tests/e2e/test_verify_wires.py": "lists of clauses that are called so",
     "tests/e2e/verified.py": "lists of clauses that are called so",
     "tests/fmu/test_described.py": NAMED,
     "tests/gates/*.py": "which folders there are",
