@@ -114,10 +114,10 @@ def test_addresses_that_are_none(url):
         open_port(url)
 
 
-@pytest.mark.parametrize("url", ["drehgeber://f3668", "drehgeber://s3684-rs485?adress=1"])
-def test_encoders_that_are_none(url):
-    with pytest.raises(EncoderError):
-        open_port(url)
+@pytest.mark.parametrize("url, why", [("f3668", "f3668 speaks .*: it has no "), ("s3684-rs485?adress=1", "adress")])
+def test_encoders_that_are_none(url, why):
+    with pytest.raises(EncoderError, match=why):
+        open_port(f"drehgeber://{url}")
 
 
 def test_an_encoder_that_is_there_already():
