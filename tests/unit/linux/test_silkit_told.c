@@ -460,7 +460,7 @@ static void a_signal_ends_a_join_that_hangs(void **state)
     assert_int_equal(sigprocmask(SIG_BLOCK, &end, NULL), 0);
     assert_int_equal(raise(SIGTERM), 0);
     open_bench(&bench, CAN, &fake);
-    ends_in(&bench, ": SIL Kit: cell: ended before it was there");
+    ends_in(&bench, ": SIL Kit: cell: stopped before it was complete");
     close_bench(&bench);
     assert_int_equal(bench.fake->left, 0);
 }
