@@ -147,7 +147,8 @@ static const struct {
     enum kind kind;
 } objects[] = {
     /* clang-format off */
-    {0x1003, 0x1003, CONFIGURED}, {0x1005, 0x1012, CONFIGURED}, {0x1013, 0x1013, MEASURED},
+    {0x1003, 0x1003, CONFIGURED}, {0x1005, 0x1007, CONFIGURED}, {0x1008, 0x100A, TEXT},
+    {0x100B, 0x1012, CONFIGURED}, {0x1013, 0x1013, MEASURED},
     {0x1014, 0x1017, CONFIGURED}, {0x1029, 0x1029, CONFIGURED},
     {0x1800, 0x1AFF, CONFIGURED}, {0x2100, 0x2102, CONFIGURED}, {0x2120, 0x2120, CONFIGURED},
     {0x2125, 0x2125, MEASURED},   {0x2140, 0x2140, CONFIGURED}, {0x2160, 0x2160, POSITION},
@@ -264,6 +265,9 @@ static bool on_sent(void *ctx, const struct cf_unit *request, struct cf_report *
     if (frame.id == 0 && frame.dlc == 2 && frame.data[1] == ROW_NODE) {
         frame.data[1] = self->node;
     }
+    if (frame.id == 0 && frame.dlc == 2 && (frame.data[0] == 0x81u || frame.data[0] == 0x82u)) {
+        verify_canopen_forget(self);
+    }
     return verify_canopen_send_frame(self, &frame, report);
 }
 
@@ -284,6 +288,15 @@ static bool report_frame(struct canopen *self, const struct cf_unit *expected,
     (void)verify_print_unit(&got, text[2], sizeof text[2]);
     return verify_fail(&self->base, VERIFY_DIFFERS, report, "sent%s; expected%s; came%s", text[0],
                        text[1], text[2]);
+}
+
+static bool is_text(const uint8_t *bytes, size_t n)
+{
+    bool text = true;
+    for (size_t i = 0; i < n; i++) {
+        text = text && bytes[i] >= ' ' && bytes[i] <= '~';
+    }
+    return text;
 }
 
 static bool judge_frame_values(struct canopen *self, const struct cf_unit *expected,
@@ -309,7 +322,10 @@ static bool judge_frame_values(struct canopen *self, const struct cf_unit *expec
         verify_canopen_is_near(self, le32(got.bytes + 4), le32(expected->bytes + 4))) {
         return true;
     }
-    if (kind == CONFIGURED) {
+    if (kind == TEXT && is_text(got.bytes + 4, 4u - (got.bytes[0] >> 2 & 3u))) {
+        return true;
+    }
+    if (kind == CONFIGURED && !verify_canopen_is_known(self, got.bytes)) {
         return verify_fail(&self->base, VERIFY_NOT_SEEN, report, "needs %02X%02Xh:%u as delivered",
                            got.bytes[2], got.bytes[1], (unsigned)got.bytes[3]);
     }
@@ -360,6 +376,7 @@ static bool on_answered(void *ctx, const struct cf_answer *answer, struct cf_rep
     }
     const dg_ns took = lx_real_now() - self->base.since;
     self->base.since += took;
+    verify_canopen_remember(self, &answer->got);
     if (answer->timed && took + self->jitter + HOST_ADDS < answer->earliest_ns) {
         return verify_fail(&self->base, VERIFY_DIFFERS, report, "%03Xh came after %llu us already",
                            (unsigned)came.id, (unsigned long long)took / 1000u);
@@ -387,12 +404,18 @@ static bool on_waited(void *ctx, uint64_t ns, struct cf_report *report)
     return true;
 }
 
+static bool on_powered(void *ctx, bool on, struct cf_report *report)
+{
+    verify_canopen_forget(ctx);
+    return verify_powered(ctx, on, report);
+}
+
 static const struct cf_beside_ops beside_ops = {
     .sent = on_sent,
     .answered = on_answered,
     .silent = on_silent,
     .waited = on_waited,
-    .powered = verify_powered,
+    .powered = on_powered,
     .needs = verify_allowed,
 };
 
@@ -488,6 +511,9 @@ static bool begin(struct verify_encoder *base, struct cf_report *report)
         return false;
     }
     base->outcome = VERIFY_AGREES;
+    self->written_count = 0;
+    self->loads = false;
+    self->restored = false;
     self->trial.raw = verify_canopen_upload(self, 0x2160, 0, &value) > 0 ? value : 0;
     (void)verify_canopen_upload(self, 0x6004, 0, &self->position);
     if (base->journal != NULL && !verify_canopen_note_touched(self, report)) {

@@ -26,6 +26,9 @@
 /* Most objects that a row writes. */
 #define TOUCHED_MAX 40u
 #define TPDOS 4u
+/* Objects that 1011h does not bring back. */
+#define BUS_FIRST 0x2100u
+#define BUS_LAST 0x2105u
 
 #define SDO_REQUEST 0x600u
 /* Of a COB-ID: nothing is sent with it. */
@@ -55,6 +58,10 @@ struct canopen {
     uint32_t position;                  /* of 6004h, before the row */
     struct object touched[TOUCHED_MAX]; /* what the row that was rehearsed last writes */
     size_t touched_count;
+    struct object written[TOUCHED_MAX]; /* what the row has written, and the encoder confirmed */
+    size_t written_count;
+    bool loads;    /* 1011h has confirmed to bring back what was delivered, with the next reset */
+    bool restored; /* that was done */
     struct dg_can_frame request;
     struct dg_can_frame passed[PASSED_MAX]; /* since the request, with other identifiers */
     size_t passed_count;
@@ -65,6 +72,7 @@ enum kind {
     CONSTANT,   /* it is what the model says */
     CONFIGURED, /* so it is as delivered, but somebody may have changed it */
     MEASURED,   /* any value is right */
+    TEXT,       /* any characters are right */
     POSITION    /* near to the model's */
 };
 
@@ -96,6 +104,15 @@ bool verify_canopen_settle(struct canopen *self, struct cf_report *report);
 bool verify_canopen_is_near(const struct canopen *self, uint32_t a, uint32_t b);
 
 enum kind verify_canopen_kind_of_object(uint16_t index);
+
+/* Whether the object of this answer to an upload has a value that the row knows. */
+bool verify_canopen_is_known(const struct canopen *self, const uint8_t *answer);
+
+/* The encoder has answered: if that confirms a download, its object is known. */
+void verify_canopen_remember(struct canopen *self, const struct cf_unit *answer);
+
+/* The encoder starts anew, with what it has stored, or with what it was delivered with. */
+void verify_canopen_forget(struct canopen *self);
 
 /* Note everything that the row will write, before it writes any of it. */
 bool verify_canopen_note_touched(struct canopen *self, struct cf_report *report);
