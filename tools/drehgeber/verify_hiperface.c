@@ -192,6 +192,25 @@ static bool is_measured(const uint8_t *expected)
     return expected[1] == 0x44u;
 }
 
+static int16_t signed_be16(const uint8_t *from)
+{
+    return (int16_t)((unsigned)from[0] << 8 | from[1]);
+}
+
+/* Whether the answer to 44h is within what the encoder's own label tells of this channel. */
+static bool is_within_limits(const struct hiperface *self, const uint8_t *answer)
+{
+    bool within = true;
+    for (size_t i = 0; self->has_limits && i < LIMITS; i += LIMITS_EACH) {
+        const uint8_t *sensor = &self->limits[i];
+        const int16_t value = signed_be16(answer + 3);
+        if (sensor[1] == answer[2]) {
+            within = within && value >= signed_be16(sensor + 2) && value <= signed_be16(sensor + 4);
+        }
+    }
+    return within;
+}
+
 static bool is_right(const struct hiperface *self, const struct cf_unit *expected,
                      const struct frame *came)
 {
@@ -205,7 +224,8 @@ static bool is_right(const struct hiperface *self, const struct cf_unit *expecte
                verify_hiperface_is_near(self, be32(came->bytes + 2), be32(expected->bytes + 2));
     }
     if (is_measured(expected->bytes)) {
-        return memcmp(came->bytes, expected->bytes, 3) == 0;
+        return memcmp(came->bytes, expected->bytes, 3) == 0 &&
+               (came->n != 6 || is_within_limits(self, came->bytes));
     }
     return memcmp(came->bytes, expected->bytes, came->n) == 0;
 }
@@ -468,6 +488,10 @@ static int measure_encoder(struct hiperface *self, const char *where, struct lx_
     if (self->moves > MOVES_MAX) {
         return lx_refuse(error, "expected a shaft at rest", "%s: the shaft turns", where);
     }
+    static const uint8_t label[] = {ADDRESS, 0x4A, 0xFF, 0x1E, LIMITS, CODE};
+    self->has_limits =
+        verify_hiperface_command(self, label, sizeof label, &came) && came.n == LIMITS + 6u;
+    memcpy(self->limits, came.bytes + 5, self->has_limits ? LIMITS : 0u);
     static const uint8_t field[] = {ADDRESS, 0x4C, 0x00};
     self->has_fields = verify_hiperface_command(self, field, sizeof field, &came);
     self->moves = 2u * self->moves + 1u;

@@ -32,6 +32,9 @@
 /* Increments that may be needed to put a counter back; each takes 50 ms. */
 #define COUNTS_MAX 50u
 #define CODE DG_HF_CODE_DEFAULT
+/* Bytes of the label with the sensors of 44h: three of them, three words each. */
+#define LIMITS 18u
+#define LIMITS_EACH 6u
 
 struct frame {
     uint8_t bytes[FRAME_MAX + 1u]; /* room to notice one too many */
@@ -47,9 +50,11 @@ struct hiperface {
     dg_ns sent;  /* end of the last request, as the line has it */
     dg_ns quiet; /* of the last byte in either direction */
     dg_ns jitter;
-    uint32_t moves;  /* counts between readings at rest */
-    uint8_t setting; /* of the line, as 52h has it */
-    bool has_fields; /* data of its owner, which nothing may touch */
+    uint32_t moves;         /* counts between readings at rest */
+    uint8_t setting;        /* of the line, as 52h has it */
+    bool has_limits;        /* its label tells what its sensors can measure */
+    uint8_t limits[LIMITS]; /* from 1Eh of the label: channel, lowest and highest value of each */
+    bool has_fields;        /* data of its owner, which nothing may touch */
     struct frame request;
 };
 
