@@ -180,8 +180,11 @@ static enum kind kind_of_word(const struct interbus *self, uint32_t in)
     if (!has_read_out(0, in)) {
         return CONSTANT;
     }
-    return (self->command & 0xFFFF0000u) == READ_ITEM ? kind_of_item(self->command & 0xFFFFu)
-                                                      : CONFIGURED;
+    if ((self->command & 0xFFFF0000u) != READ_ITEM) {
+        return CONFIGURED;
+    }
+    const uint32_t item = self->command & 0xFFFFu;
+    return self->chosen && item == ITEM_MODE ? CONSTANT : kind_of_item(item);
 }
 
 static bool is_right(const struct interbus *self, uint32_t expected, uint32_t came)
@@ -262,6 +265,12 @@ static bool stay_word(struct interbus *self, uint32_t expected, struct cf_report
     return true;
 }
 
+/* The answer to position or speed mode, or to a cam program. */
+static bool sets_mode(uint32_t in)
+{
+    return (in & ~1u) == (0xC0000000u | POSITION_MODE) || (in & ~0xFu) == (0xC0000000u | PROGRAM);
+}
+
 static bool judge_id(struct interbus *self, const struct cf_answer *answer,
                      struct cf_report *report)
 {
@@ -290,6 +299,7 @@ static bool on_answered(void *ctx, const struct cf_answer *answer, struct cf_rep
         return false;
     }
     self->settled = stay_word(self, expected, report);
+    self->chosen = self->chosen || sets_mode(expected);
     return self->settled;
 }
 
@@ -384,6 +394,7 @@ static bool begin(struct verify_encoder *base, struct cf_report *report)
     }
     base->outcome = VERIFY_AGREES;
     self->command = 0;
+    self->chosen = false;
     self->trial.model = &self->model;
     self->trial.placed = true;
     self->trial.raw = in;
@@ -406,6 +417,21 @@ static bool end(struct verify_encoder *base, struct cf_report *report)
 
 /* --- the encoder --- */
 
+static bool is_no_item(uint32_t out, uint32_t in)
+{
+    (void)out;
+    return in >> 25 == DG_IB_UNKNOWN_ITEM >> 25;
+}
+
+/* One that it does not know is a matter of the rows: not `told`. @return false: it does not answer */
+static bool read_parameter(struct interbus *self, uint32_t item, uint32_t *value, bool *told)
+{
+    uint32_t in = 0;
+    *told = verify_interbus_read(self, READ_ITEM | item, value);
+    return *told || (verify_interbus_exchange(self, READ_ITEM | item, is_no_item, &in) &&
+                     verify_interbus_exchange(self, 0, is_in_operation, &in));
+}
+
 /* Whether the parameters are as delivered; and what is its own. */
 static bool read_parameters(struct interbus *self)
 {
@@ -424,10 +450,11 @@ static bool read_parameters(struct interbus *self)
     };
     self->delivered = true;
     for (size_t i = 0; i < DG_COUNT(parameters); i++) {
-        if (!verify_interbus_read(self, READ_ITEM | parameters[i].item, &value)) {
+        bool told = false;
+        if (!read_parameter(self, parameters[i].item, &value, &told)) {
             return false;
         }
-        self->delivered = self->delivered && value == parameters[i].delivered;
+        self->delivered = self->delivered && (!told || value == parameters[i].delivered);
     }
     model->temperature_sensor = verify_interbus_read(self, READ_ITEM | ITEM_TEMPERATURE, &value);
     return verify_interbus_read(self, READ_ITEM | ITEM_SERIAL, &model->serial) &&

@@ -10,6 +10,9 @@
 /* Status bits of a word, and those of them that a position does not have (2.1.3). */
 #define STATUS 0xFE000000u
 #define RELEASE 0x80000000u
+/* Words that set the mode, with bit 0 for speed, and with the number of a cam program. */
+#define POSITION_MODE 0x20400000u
+#define PROGRAM 0x20800000u
 /* Words that read (9.2): an item, and what cams are set to. */
 #define READ_ITEM 0x20210000u
 #define READ_BACK 0x20200000u
@@ -46,6 +49,7 @@ struct interbus {
     uint32_t command; /* the last OUT that was one */
     uint32_t before;  /* IN when OUT was written */
     bool settled;     /* IN was looked at since, and stays */
+    bool chosen;      /* the row has set the mode */
     unsigned writes;  /* what the row that was rehearsed last changes, bits of enum cf_need */
 };
 

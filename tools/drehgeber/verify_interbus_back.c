@@ -4,8 +4,6 @@
 #include "verify_interbus.h"
 
 #define DEFAULTS 0x0E000000u
-#define POSITION_MODE 0x20400000u
-#define PROGRAM 0x20800000u
 #define SHIFT_IW 0x20100000u
 
 /* Words with a value, and the words that read it: 9.1, 9.2, 9.5. */
