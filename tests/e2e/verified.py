@@ -24,6 +24,8 @@ WIRES = {
     "f3668": ("slcan", [], ["canopen", "cia406"], b"\r\a"),
 }
 MODELS = list(WIRES)
+# Every model that verify has clauses for, and the lists of them.
+SUITES = {model: row[2] for model, row in WIRES.items()} | {"ocd-ib-k3": ["interbus"]}
 # model: into how many parts its clauses are cut; how many agree at least; bytes of the image that may be others, which are
 # the store's journal, and of an S36 what data fields had that do not exist any more, of an F36x8 its operating time.
 WRITTEN = {
@@ -81,7 +83,7 @@ def verify(model: str, path, *arguments, status: int = 0) -> subprocess.Complete
 
 
 def clauses(model: str) -> list:
-    text = "".join((REPOSITORY / f"tests/conformance/{suite}.clauses").read_text("utf-8") for suite in WIRES[model][2])
+    text = "".join((REPOSITORY / f"tests/conformance/{suite}.clauses").read_text("utf-8") for suite in SUITES[model])
     return re.findall(r"^(\S+) +\|", text, re.M)
 
 
