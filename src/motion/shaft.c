@@ -24,7 +24,7 @@
 #define SPEED_MAX ((int64_t)DG_MOTION_SPEED_MAX_MRPM * PRPM_PER_MRPM)
 #define PARTS_PER_HALF 256u
 /** In 2^-32 turn: of no importance to a speed. */
-#define JUMP_MIN 1024u
+#define JUMP_MIN UINT64_C(1024)
 /** 1 turn in DG_WORLD_SPEED_SPAN, in 0.001 rpm. */
 #define MRPM_PER_TURN (DG_S(60) / DG_WORLD_SPEED_SPAN * 1000u)
 

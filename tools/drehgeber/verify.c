@@ -342,12 +342,12 @@ static bool attempt_row(struct verify *self, const struct cf_suite *suite, const
 {
     bool there = try_once(self, suite, row, to);
     bool again = to->outcome == VERIFY_DIFFERS;
-    for (unsigned i = 1; there && i < TRIES_MAX && (again || self->encoder->held_up); i++) {
-        if (to->outcome == VERIFY_AGREES) {
-            break;
-        }
-        free(to->text);
+    for (unsigned i = 1; there && i < TRIES_MAX && to->outcome != VERIFY_AGREES &&
+                         (again || self->encoder->held_up);
+         i++) {
+        char *const before = to->text;
         there = try_once(self, suite, row, to);
+        free(before); /* each try makes its own; NOLINT(clang-analyzer-unix.Malloc) */
         again = false;
     }
     return there;

@@ -201,6 +201,9 @@ static bool on_sent(void *ctx, const struct cf_unit *request, struct cf_report *
         [CF_BISS_ACCESS] = {&self->access, sizeof self->access, access_registers},
         [CF_BISS_COMMAND] = {&self->command, sizeof self->command, send_biss_command},
     };
+    if (request->id >= DG_COUNT(kinds) || kinds[request->id].to == NULL) {
+        return verify_fail(&self->base, VERIFY_NOT_SEEN, report, "needs another master");
+    }
     memcpy(kinds[request->id].to, request->bytes, kinds[request->id].size);
     verify_biss_print_request(&self->access, self->asked);
     if (!note_sent(self, request, report)) {

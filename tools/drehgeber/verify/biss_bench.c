@@ -28,12 +28,15 @@ static const struct cf_figure model_figures[] = {
 };
 /* clang-format on */
 
-/* "5ms", "300us", "100ns"; 0 when it is none of them */
+/* "5ms", "300us", "100ns"; 0 when it is none of them, or NULL */
 dg_ns biss_bench_span(const char *word)
 {
     char *unit;
-    unsigned long n = strtoul(word, &unit, 10);
 
+    if (word == NULL) {
+        return 0;
+    }
+    unsigned long n = strtoul(word, &unit, 10);
     if (strcmp(unit, "ms") == 0) {
         return DG_MS(n);
     }
@@ -135,7 +138,7 @@ static bool take_biss_figures(struct dg_biss_model *model, char **words, size_t 
             return cf_fail(report, "about other figures: %s", words[i]);
         }
     }
-    model->serial = trial->placed ? trial->model->serial : model->serial;
+    model->serial = trial->model != NULL && trial->placed ? trial->model->serial : model->serial;
     return true;
 }
 

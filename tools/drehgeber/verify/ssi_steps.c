@@ -365,7 +365,7 @@ static bool set_quantity(struct dg_world *world, const char *word)
             *rows[i].share = (uint16_t)value;
         } else if (rows[i].offset != NULL) {
             *rows[i].offset = (int16_t)value;
-        } else {
+        } else if (rows[i].amount != NULL) {
             *rows[i].amount = (uint32_t)value;
         }
         return true;
@@ -514,7 +514,9 @@ static bool step_word(void *ctx, char **words, size_t n, struct cf_report *repor
     char want[BITS_MAX + 2];
 
     cf_join(want, BITS_MAX + 1u, words, counted ? 2 : 1, n);
-    strcat(want, "0");
+    const size_t length = strlen(want);
+    want[length] = '0';
+    want[length + 1u] = '\0';
     for (; times > 0; times--) {
         if (!take_pulses(b, strlen(want), times == 1, report)) {
             return false;
