@@ -54,6 +54,7 @@ void dg_bus_filter_list(struct frames_wire *self, struct frames_place *place)
         *head = filter_number_of(place, i);
     }
     place->filters = count;
+    self->listed = 0;
     self->refiltered = true;
 }
 
@@ -62,6 +63,7 @@ void dg_bus_filter_list_all(struct dg_bus *self)
     struct frames_wire *wire = dg_bus_frames_wire(self);
 
     memset(wire->head, 0, sizeof wire->head);
+    wire->listed = 0;
     for (size_t i = 0; i < self->count; i++) {
         dg_bus_frames_at(self, i)->filters = 0;
     }
@@ -71,18 +73,24 @@ void dg_bus_filter_list_all(struct dg_bus *self)
     wire->refiltered = true;
 }
 
+/* Most often it is SYNC's again, and the list of all is long. */
 struct frames_set dg_bus_filter_of(const struct dg_bus *self, uint16_t id)
 {
-    struct frames_set set = {{0}};
-    uint16_t next = dg_bus_frames_wire(self)->head[id];
+    struct frames_wire *wire = dg_bus_frames_wire(self);
+    uint16_t next = wire->head[id];
 
+    if (wire->listed == id + 1u) {
+        return wire->listeners;
+    }
+    wire->listed = (uint16_t)(id + 1u);
+    wire->listeners = (struct frames_set){{0}};
     while (next != 0) {
         const uint16_t at = (uint16_t)(next - 1u);
         const uint16_t index = at / DG_HOST_FILTERS;
-        set.word[index / 32u] |= UINT32_C(1) << index % 32u;
+        wire->listeners.word[index / 32u] |= UINT32_C(1) << index % 32u;
         next = dg_bus_frames_at(self, index)->filter[at % DG_HOST_FILTERS].next;
     }
-    return set;
+    return wire->listeners;
 }
 
 void dg_bus_filter_tell(const struct dg_bus *self)

@@ -58,17 +58,19 @@ struct frames_wire {
     uint32_t bit_rate;         /**< dg_bus_frames_bit_rate() */
     struct frames_list unused; /**< room for frames, behind those that were never used: */
     uint16_t used;
-    struct frames_list heard;   /**< sent by an encoder, and another one listens to it */
-    struct frames_list held;    /**< late by a fault */
-    struct frames_list sending; /**< their turn comes */
-    enum dg_controller state;   /**< of the controller by itself */
-    bool stalled;               /**< the port has no room */
-    bool full;                  /**< too much waits for its time */
-    bool passed;                /**< `soonest` is of nobody any more */
-    bool retuned;               /**< somebody's bit rate is another one */
-    bool unsure;                /**< encoders may not know whether there is a bus */
-    bool refiltered;            /**< the host does not know yet */
-    uint16_t head[FRAMES_IDS];  /**< of the lists of filters, by identifier */
+    struct frames_list heard;    /**< sent by an encoder, and another one listens to it */
+    struct frames_list held;     /**< late by a fault */
+    struct frames_list sending;  /**< their turn comes */
+    enum dg_controller state;    /**< of the controller by itself */
+    bool stalled;                /**< the port has no room */
+    bool full;                   /**< too much waits for its time */
+    bool passed;                 /**< `soonest` is of nobody any more */
+    bool retuned;                /**< somebody's bit rate is another one */
+    bool unsure;                 /**< encoders may not know whether there is a bus */
+    bool refiltered;             /**< the host does not know yet */
+    uint16_t head[FRAMES_IDS];   /**< of the lists of filters, by identifier */
+    uint16_t listed;             /**< 1 + the identifier that was asked for last; 0: none */
+    struct frames_set listeners; /**< of that one */
 };
 
 static inline struct frames_wire *dg_bus_frames_wire(const struct dg_bus *self)
