@@ -640,10 +640,10 @@ static uint32_t fastest(const struct dg_shaft *self, dg_ns from)
 /** Neither it nor a shaft that drives it has jumped since `then`. */
 static bool is_smooth_since(const struct dg_shaft *self, dg_ns then)
 {
-    while (self != NULL && self->jumped <= then) {
+    while (self->jumped <= then && self->driver != NULL) {
         self = self->driver;
     }
-    return self == NULL;
+    return self->jumped <= then;
 }
 
 enum dg_calm dg_shaft_calm(void *ctx, dg_ns now)
