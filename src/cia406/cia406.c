@@ -145,8 +145,9 @@ static void find_next_look(struct dg_co_node *node)
     }
 }
 
-/* Nothing is too fast, and stays so: a shaft that is calm is slower than the limit by more than what
- * one EMCY ends at. With USF the zero has to follow what turns. */
+/* Whether the next looks can find no other speed: the shaft stays slower than the speed at which a
+ * warning ends, and no warning lasts. With USF the zero follows a shaft that turns, so it has to
+ * stand. */
 static bool is_calm(const struct dg_co_node *node)
 {
     const enum dg_calm calm = dg_world_calm(node->setup.world, node->now);

@@ -23,7 +23,7 @@
 #define PRPM_PER_MRPM 1000000000
 #define SPEED_MAX ((int64_t)DG_MOTION_SPEED_MAX_MRPM * PRPM_PER_MRPM)
 #define PARTS_PER_HALF 256u
-/** In 2^-32 turn: of no importance to a speed. */
+/** A smaller step, in 2^-32 turn, changes no measured speed: it is a 64th of a count. */
 #define JUMP_MIN UINT64_C(1024)
 /** 1 turn in DG_WORLD_SPEED_SPAN, in 0.001 rpm. */
 #define MRPM_PER_TURN (DG_S(60) / DG_WORLD_SPEED_SPAN * 1000u)

@@ -36,7 +36,7 @@ struct bench {
     size_t count;
 };
 
-static void hear(void *ctx, const uint8_t *bytes, size_t n)
+static void keep_heard_bytes(void *ctx, const uint8_t *bytes, size_t n)
 {
     struct bench *self = ctx;
     assert_true(self->count + n <= sizeof self->heard);
@@ -48,7 +48,7 @@ static struct bench *open_wire(const char *text)
 {
     struct bench *self = calloc(1, sizeof *self);
     assert_non_null(self);
-    self->rig.heard = hear;
+    self->rig.heard = keep_heard_bytes;
     self->rig.ctx = self;
     virtual_rig_open(&self->rig, memory_file_write((const uint8_t *)text, strlen(text)), NULL);
     virtual_rig_connect(&self->rig);

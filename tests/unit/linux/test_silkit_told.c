@@ -87,7 +87,7 @@ static void run(struct bench *self)
     } while (sd_event_get_state(self->event) != SD_EVENT_FINISHED && lx_rig_step(self->rig));
 }
 
-static void step(struct bench *self, uint64_t at)
+static void enter_step(struct bench *self, uint64_t at)
 {
     self->fake->step(self->fake->ctx, NULL, at, MS);
     run(self);
@@ -98,7 +98,7 @@ static void begin(struct bench *self)
     assert_int_equal(self->result, LX_RIG_OK);
     self->fake->ready(self->fake->ctx, NULL);
     run(self);
-    step(self, 0);
+    enter_step(self, 0);
 }
 
 static const struct fake_topic *topic(const struct bench *self, const char *name)
@@ -240,7 +240,7 @@ static void frames_have_lengths_and_may_be_remote(void **state)
     assert_int_equal(bench.fake->frames, 1);
     assert_int_equal(bench.fake->sent[0].id, 0x73F);
     bench.fake->frame(bench.fake->can_ctx, NULL, &event);
-    step(&bench, 2 * MS);
+    enter_step(&bench, 2 * MS);
     assert_int_equal(bench.fake->frames, 2);
     assert_int_equal(bench.fake->sent[1].id, 0x73F);
     for (size_t i = 0; i < 2; i++) {
@@ -266,7 +266,7 @@ static void a_frame_has_all_encoders_of_its_chain(void **state)
     (void)state;
     open_bench(&bench, chain, &usual);
     begin(&bench);
-    step(&bench, 500 * MS);
+    enter_step(&bench, 500 * MS);
     const struct fake_topic *frame = topic(&bench, "CHAIN/frame");
     assert_int_equal(frame->size, 8 + 3 * 24);
     for (size_t i = 0; i < 3; i++) {
@@ -348,7 +348,7 @@ static void what_is_refused_later_is_said_once(void **state)
         open_bench(&bench, rows[i].rig, &fake);
         begin(&bench);
         for (uint64_t at = 1; at <= 2000; at += 500) {
-            step(&bench, at * MS);
+            enter_step(&bench, at * MS);
         }
         stderr_heard(&heard, said, sizeof said);
         assert_string_equal(said, rows[i].says);
@@ -394,7 +394,7 @@ static void messages_of_another_length_are_told_once_per_topic(void **state)
         char said[256];
         publish(&bench, rows[i].topic, rows[i].n);
         stderr_hear(&heard);
-        step(&bench, (i + 1u) * MS);
+        enter_step(&bench, (i + 1u) * MS);
         stderr_heard(&heard, said, sizeof said);
         assert_string_equal(said, rows[i].says);
     }
