@@ -132,7 +132,7 @@ int clock_gettime(clockid_t id, struct timespec *to)
 static int read_image(void *ctx, uint32_t address, void *to, size_t n)
 {
     (void)ctx;
-    return pread(self.image, to, n, address) == (ssize_t)n ? DG_OK : DG_ERR_IO;
+    return pread(self.image, to, n, (off_t)address) == (ssize_t)n ? DG_OK : DG_ERR_IO;
 }
 
 static int write_image(void *ctx, uint32_t address, const void *from, size_t n)
@@ -142,7 +142,7 @@ static int write_image(void *ctx, uint32_t address, const void *from, size_t n)
     if (self.written == self.setting.die) {
         (void)raise(SIGKILL);
     }
-    return pwrite(self.image, from, n, address) == (ssize_t)n ? DG_OK : DG_ERR_IO;
+    return pwrite(self.image, from, n, (off_t)address) == (ssize_t)n ? DG_OK : DG_ERR_IO;
 }
 
 static int sync_image(void *ctx)
