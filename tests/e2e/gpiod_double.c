@@ -13,6 +13,7 @@
  * DOUBLE_LOG      file that gets what the encoder has counted
  * DOUBLE_LAG      ns that data comes late; then the encoder has the timeout of lines that are as slow
  * DOUBLE_STALL    every so many accesses to a line one of them takes 1 ms
+ * DOUBLE_FLICKER  every so many looks at data one of them sees the other level
  * DOUBLE_DEAF     from this edge of the clock on the encoder answers nothing
  * DOUBLE_DIE      the process is killed when the EEPROM is written for this time
  * DOUBLE_SPOIL    "crc": the last bit of frames with CDS = 1; "register": 79h; "again": the last bit of
@@ -51,6 +52,7 @@ struct gpiod_line {
 struct setting {
     unsigned long lag;
     unsigned long stall;
+    unsigned long flicker;
     unsigned long deaf;
     unsigned long die;
     const char *spoil;
@@ -72,6 +74,7 @@ static struct {
     int image;
     unsigned long written; /* how often */
     unsigned long accesses;
+    unsigned long looks; /* at data */
     unsigned long edges;
     bool powered;
     bool clock;
@@ -96,6 +99,7 @@ static void read_settings(void)
     self.setting = (struct setting){
         .lag = figure_of("DOUBLE_LAG"),
         .stall = figure_of("DOUBLE_STALL"),
+        .flicker = figure_of("DOUBLE_FLICKER"),
         .deaf = figure_of("DOUBLE_DEAF"),
         .die = figure_of("DOUBLE_DIE"),
         .spoil = getenv("DOUBLE_SPOIL"),
@@ -402,8 +406,11 @@ int gpiod_line_set_value(struct gpiod_line *line, int level)
 
 int gpiod_line_get_value(struct gpiod_line *line)
 {
+    const unsigned long flicker = self.setting.flicker;
     (void)line;
     let_time_pass();
     note_data(false);
-    return self.now >= self.changed + self.setting.lag ? self.data[1] : self.data[0];
+    self.looks++;
+    const bool level = self.data[self.now >= self.changed + self.setting.lag ? 1 : 0];
+    return flicker > 0 && self.looks % flicker == 0 ? !level : level;
 }

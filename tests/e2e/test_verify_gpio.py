@@ -81,6 +81,11 @@ def test_a_host_that_is_held_up_finds_nothing_wrong(verify, model, every):
     assert len(those(found, "agrees")) >= MODELS[model]
 
 
+def test_a_word_that_is_torn_now_and_then_is_no_turn(verify):
+    """SSI has no check sum: one of ten words is wrong here."""
+    assert "agrees   R-2" in verify("ssi-13", "R-2", FLICKER=307).stdout
+
+
 @pytest.mark.parametrize("model, clause", [("s3684-biss", "5.2.1.1-4"), ("ssi-13", "L-6")])
 def test_lines_that_are_slow_have_a_slow_clock(verify, model, clause):
     """As those of `drehgeber run`: data comes late, and the encoder has a timeout of 20 ms."""

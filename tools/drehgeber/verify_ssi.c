@@ -18,8 +18,11 @@
 
 #define READINGS 20u
 #define MOVES_MAX 8
-/* Words that have to be whole before a clock is said to suit the encoder. */
-#define WORDS_WHOLE 6u
+/* Words that have to be the same before a clock is said to suit the encoder, and others among them. */
+#define WORDS_SAME 6u
+#define WORDS_OTHER 3u
+/* How often a word is asked for that was torn, or is not where the one before was. */
+#define READS_MAX 5u
 /* What a wait is longer, so that the encoder's own times are over. */
 #define WAIT_ADDS DG_US(100)
 
@@ -28,6 +31,7 @@ struct ssi {
     struct verify_lines wire;
     struct dg_ssi_model model;
     struct cf_ssi_trial trial;
+    uint64_t latest;         /* position of the word that came last */
     int64_t moves;           /* counts between readings at rest */
     struct cf_ssi_look came; /* as it was asked last */
     bool data;               /* at the latest look */
@@ -107,24 +111,39 @@ static bool read_whole_word(struct ssi *self, struct dg_ssi_frame *frame)
     const char last = look.data[bits];
     look.data[bits] = '\0';
     return rested && last == '0' && !self->strayed && !self->wire.gone &&
-           verify_lines_rest(&self->wire) &&
+           !verify_lines_torn(&self->wire) && verify_lines_rest(&self->wire) &&
            dg_ssi_frame_decode(&self->model, strtoull(look.data, NULL, 2), frame) == DG_OK;
-}
-
-/* The same, if this host was held up. */
-static bool read_again(struct ssi *self, struct dg_ssi_frame *frame)
-{
-    bool whole = false;
-    for (unsigned i = 0; !whole && i < 5; i++) {
-        whole = read_whole_word(self, frame);
-    }
-    return whole;
 }
 
 static uint64_t distance_of(const struct ssi *self, uint64_t a, uint64_t b)
 {
     const uint64_t up = (a + ssi_range_of(self) - b) % ssi_range_of(self);
     return up <= ssi_range_of(self) / 2u ? up : ssi_range_of(self) - up;
+}
+
+/* @return whether the word is where the one before was */
+static bool is_at_rest(struct ssi *self, const struct dg_ssi_frame *frame)
+{
+    const bool at_rest = distance_of(self, frame->position, self->latest) <= MOVES_MAX;
+    self->latest = frame->position;
+    return at_rest;
+}
+
+/* SSI has no check sum: a word that a busy host has torn can look whole, but hardly twice the same.
+   Of a shaft that turns it is the latest. @return false: none was whole */
+static bool read_at_rest(struct ssi *self, struct dg_ssi_frame *frame)
+{
+    struct dg_ssi_frame next;
+    bool whole = false;
+    bool at_rest = false;
+    for (unsigned i = 0; !at_rest && i < READS_MAX; i++) {
+        if (read_whole_word(self, &next)) {
+            *frame = next;
+            at_rest = is_at_rest(self, frame);
+            whole = true;
+        }
+    }
+    return whole;
 }
 
 static dg_angle stand_still(void *ctx, dg_ns now)
@@ -267,7 +286,7 @@ static bool begin(struct verify_encoder *base, struct cf_report *report)
 {
     struct ssi *self = of(base);
     struct dg_ssi_frame frame;
-    if (!read_again(self, &frame)) {
+    if (!read_at_rest(self, &frame)) {
         return verify_fail(base, VERIFY_LOST, report, "it sends no whole word any more");
     }
     base->outcome = VERIFY_AGREES;
@@ -287,7 +306,7 @@ static bool end(struct verify_encoder *base, struct cf_report *report)
     struct ssi *self = of(base);
     struct dg_ssi_frame frame;
     verify_lines_clock(&self->wire, lx_real_now(), true);
-    if (!read_again(self, &frame)) {
+    if (!read_at_rest(self, &frame)) {
         return verify_fail(base, VERIFY_LOST, report, "it sends no whole word any more");
     }
     base->outcome = outcome;
@@ -303,22 +322,39 @@ static void suit_model(struct ssi *self)
     self->model.monoflop = least > self->model.monoflop ? least : self->model.monoflop;
 }
 
-static int find_ssi_clock(struct ssi *self, const char *where, struct lx_error *error)
+/* @return whether this clock suits the encoder */
+static bool try_clock(struct ssi *self, bool *turns)
 {
     struct dg_ssi_frame frame;
-    do {
-        unsigned whole = 0;
-        for (unsigned i = 0; i < 2u * WORDS_WHOLE && whole < WORDS_WHOLE; i++) {
-            whole += read_whole_word(self, &frame) ? 1u : 0u;
+    unsigned same = 0;
+    for (unsigned i = 0; i < WORDS_SAME + WORDS_OTHER && same < WORDS_SAME; i++) {
+        if (read_whole_word(self, &frame)) {
+            const bool at_rest = is_at_rest(self, &frame);
+            same += at_rest ? 1u : 0u;
+            *turns = !at_rest;
         }
-        if (whole == WORDS_WHOLE) {
+    }
+    return same == WORDS_SAME;
+}
+
+static int refuse_turning(const char *where, struct lx_error *error)
+{
+    return lx_refuse(error, "expected a shaft at rest", "%s: the shaft turns", where);
+}
+
+static int find_ssi_clock(struct ssi *self, const char *where, struct lx_error *error)
+{
+    bool turns = false;
+    do {
+        if (try_clock(self, &turns)) {
             verify_lines_settle(&self->wire);
             suit_model(self);
             return 0;
         }
     } while (verify_lines_slow_down(&self->wire));
-    return lx_refuse(error, "expected clock and data of an encoder with its supply",
-                     "%s: no word that ends with a 0 and rests with a 1", where);
+    return turns ? refuse_turning(where, error)
+                 : lx_refuse(error, "expected clock and data of an encoder with its supply",
+                             "%s: no word that ends with a 0 and rests with a 1", where);
 }
 
 /* How far readings of a shaft at rest are apart. */
@@ -328,7 +364,7 @@ static int measure_ssi_shaft(struct ssi *self, const char *where, struct lx_erro
     uint64_t first = 0;
     uint64_t moves = 0;
     for (unsigned i = 0; i < READINGS; i++) {
-        if (!read_again(self, &frame)) {
+        if (!read_at_rest(self, &frame)) {
             return lx_fail(error, "%s: it sends no whole word any more", where);
         }
         first = i == 0 ? frame.position : first;
@@ -337,7 +373,7 @@ static int measure_ssi_shaft(struct ssi *self, const char *where, struct lx_erro
         verify_stream_sleep(lx_real_now() + DG_MS(5));
     }
     if (moves > MOVES_MAX) {
-        return lx_refuse(error, "expected a shaft at rest", "%s: the shaft turns", where);
+        return refuse_turning(where, error);
     }
     if (frame.error) {
         return lx_refuse(error, "expected a healthy one", "%s: the encoder reports an error",
