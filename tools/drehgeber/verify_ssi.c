@@ -20,7 +20,7 @@
 #define MOVES_MAX 8
 /* Words that have to be the same before a clock is said to suit the encoder, and others among them. */
 #define WORDS_SAME 6u
-#define WORDS_OTHER 3u
+#define WORDS_OTHER 6u
 /* How often a word is asked for that was torn, or is not where the one before was. */
 #define READS_MAX 5u
 /* What a wait is longer, so that the encoder's own times are over. */

@@ -4,6 +4,7 @@ encoder have a chip each, and a thread is the cable."""
 import os
 import subprocess
 import threading
+import time
 
 import pytest
 
@@ -12,6 +13,7 @@ from conftest import MA as CLOCK
 from conftest import PATIENCE_S, Chip
 from conftest import SLO as DATA
 
+LOOK_S = 0.0001  # between looks at lines that rest; the guest has one processor for all three
 MONOFLOP_US = 60000  # a busy machine holds up its guest for 20 ms and more
 CLAUSE = "R-2"  # a word of 13 bits comes again after 14 clocks
 
@@ -33,6 +35,7 @@ class Cable(threading.Thread):
                 if level != levels[way]:
                     levels[way] = level
                     os.pwrite(pull, b"pull-up" if level == b"1" else b"pull-down", 0)
+            time.sleep(LOOK_S)
 
     def __enter__(self):
         self.start()
