@@ -21,6 +21,7 @@
 #include "beside.h"
 #include "descriptors.h"
 #include "eeprom_rig.h"
+#include "stderr_heard.h"
 
 /* --- a file system that lacks something: these come before libc's own --- */
 
@@ -222,16 +223,21 @@ static void a_full_disk_is_an_error_that_ends(void **state)
     struct eeprom eeprom;
     struct lx_error error;
     struct rlimit limit;
+    struct stderr_heard heard;
+    char said[256];
     assert_int_equal(eeprom_open(&eeprom, place->path, place, &error), 0);
     assert_int_equal(getrlimit(RLIMIT_FSIZE, &limit), 0);
     const rlim_t usual = limit.rlim_cur;
     (void)signal(SIGXFSZ, SIG_IGN);
-    limit.rlim_cur = 16;
+    limit.rlim_cur = 1024; /* what is said goes into a file as well, and is shorter */
     assert_int_equal(setrlimit(RLIMIT_FSIZE, &limit), 0);
-    const int full = eeprom.part.device.nvm.ops->write(eeprom.part.device.nvm.ctx, 100, "a", 1);
+    stderr_hear(&heard);
+    const int full = eeprom.part.device.nvm.ops->write(eeprom.part.device.nvm.ctx, 1024, "a", 1);
     limit.rlim_cur = usual;
     assert_int_equal(setrlimit(RLIMIT_FSIZE, &limit), 0);
+    stderr_heard(&heard, said, sizeof said);
     assert_int_equal(full, DG_ERR_IO);
+    assert_non_null(strstr(said, ": File too large; "));
     assert_true(eeprom.image.file.failing);
     assert_int_equal(eeprom.part.device.nvm.ops->write(eeprom.part.device.nvm.ctx, 100, "a", 1),
                      DG_OK);
