@@ -90,6 +90,9 @@ static const struct {
     {LX_RIG_PLAN, "[encoder e]\nmodel = ssi-25\nwire = sim\nclock_hz = 50002\nmonoflop_us = 20\n",
      "rig.ini:4: clock_hz=50002: its period, 20000 ns, ends the word, as the monoflop time of 20000 ns is over; "
      "expected clock_hz from 50003 or monoflop_us from 21 on"},
+    {LX_RIG_PLAN, "[encoder e]\nmodel = ssi-25\nwire = sim\nclock_hz = 50000\nmonoflop_us = 20\n",
+     "rig.ini:4: clock_hz=50000: its period, 20000 ns, ends the word, as the monoflop time of 20000 ns is over; "
+     "expected clock_hz from 50003 or monoflop_us from 21 on"},
     {LX_RIG_PLAN, "[encoder e]\nmodel = ssi-25\nwire = sim\nnvm = new\n",
      "rig.ini:4: nvm: ssi-25 has no EEPROM; leave it out"},
     {LX_RIG_WORLD, "[encoder e]\nmodel = ocd-ib-k1\nwire = modbus:127.0.0.1:0\nnvm = new\n",
