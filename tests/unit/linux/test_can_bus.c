@@ -487,6 +487,23 @@ ssize_t counted_write(int fd, const void *bytes, size_t n)
     return syscall(SYS_write, fd, bytes, n);
 }
 
+/* Z1: milliseconds behind each frame, which begin again every minute. */
+static void frames_have_the_time_when_they_were_sent(void **state)
+{
+    const uint64_t minute = 60000;
+    struct can_rig *self = *state;
+    can_rig_plan(self, 1);
+    can_rig_open_slcan(self, 1);
+    can_rig_connect(self);
+    can_rig_say(self, "C\rZ1\rO\r");
+    const uint64_t begin = lx_now() / DG_MS(1);
+    (void)can_rig_upload(self, 1, 0x1000);
+    const uint64_t end = lx_now() / DG_MS(1);
+    assert_int_equal(strlen(self->line), strlen("t5818") + 16u + 4u);
+    const uint64_t stamp = strtoul(&self->line[strlen("t5818") + 16u], NULL, 16);
+    assert_true((stamp + minute - begin % minute) % minute <= end - begin);
+}
+
 /* A reset makes all of them send at once, two of them in one piece make them send twice. */
 static void what_a_moment_makes_is_one_write(void **state)
 {
@@ -543,6 +560,8 @@ int main(void)
         cmocka_unit_test_setup_teardown(nobody_acknowledges, can_rig_set_up, can_rig_tear_down),
         cmocka_unit_test_setup_teardown(found_without_power, can_rig_set_up, can_rig_tear_down),
         cmocka_unit_test_setup_teardown(a_lost_pty_comes_back, can_rig_set_up, can_rig_tear_down),
+        cmocka_unit_test_setup_teardown(frames_have_the_time_when_they_were_sent, can_rig_set_up,
+                                        can_rig_tear_down),
         cmocka_unit_test_setup_teardown(what_a_moment_makes_is_one_write, can_rig_set_up,
                                         can_rig_tear_down),
         cmocka_unit_test_setup_teardown(hundred_and_twenty_seven, can_rig_set_up,
