@@ -514,6 +514,16 @@ def test_a_session_whose_samples_are_damaged(tmp_path):
                         ended.stderr)
 
 
+def test_a_session_whose_metadata_is_damaged(tmp_path):
+    path = write_session(tmp_path / "damaged.sr", {"metadata": METADATA})
+    text = path.read_bytes()
+    begin = text.index(b"metadata") + len("metadata")
+    path.write_bytes(text[:begin] + b"\xFF" * 8 + text[begin + 8:])  # no kind of block of deflate
+    ended = explain(path)
+    assert (ended.returncode, ended.stderr) == (
+        1, f"drehgeber: {path}:0: metadata that cannot be read, in sample 0; expected less than 16384 characters\n")
+
+
 def test_a_zip_file_with_a_large_directory_is_not_read(tmp_path):
     path = write_session(tmp_path / "large.sr", {"metadata": METADATA})
     path.write_bytes(path.read_bytes()[:-10] + struct.pack("<IIH", 2 << 20, 0, 0))
