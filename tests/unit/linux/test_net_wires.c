@@ -34,6 +34,7 @@ struct bench {
     int client[CLIENTS];
     unsigned frames;
     struct dg_can_frame frame; /* the last one that came in */
+    unsigned settled;          /* so often the bus was looked at */
     size_t count;
     uint8_t heard[32];
 };
@@ -56,6 +57,7 @@ static void settle_wire(void *ctx, dg_ns now)
 {
     struct bench *self = ctx;
     (void)now;
+    self->settled++;
     if (self->can != NULL) {
         self->can->ops->push(self->can);
     }
@@ -216,6 +218,23 @@ static void socketcand_clients_share_a_bus(void **state)
     assert_true(recv(bench.client[0], got, sizeof got - 1u, MSG_DONTWAIT) > 0);
     assert_non_null(strstr(got, "< frame 123 "));
     assert_non_null(strstr(got, "< frame 1ABCDE01 "));
+    end(&bench);
+}
+
+/* An encoder whose master is gone is acknowledged by nobody. */
+static void a_bus_is_looked_at_when_a_client_leaves(void **state)
+{
+    struct bench bench;
+    (void)state;
+    open_can(&bench, lx_slcan_open, "tcp:127.0.0.1:0");
+    SAY(&bench, 0, "S5\rO\r");
+    assert_true(bench.can->ops->open(bench.can));
+    bench.settled = 0;
+    (void)close(bench.client[0]);
+    turn_loop(&bench);
+    assert_false(bench.can->ops->open(bench.can));
+    assert_int_equal(bench.settled, 1);
+    bench.client[0] = -1;
     end(&bench);
 }
 
@@ -478,6 +497,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(slcan_adapters_share_a_bus),
         cmocka_unit_test(socketcand_clients_share_a_bus),
+        cmocka_unit_test(a_bus_is_looked_at_when_a_client_leaves),
         cmocka_unit_test(bytes_go_to_all_others),
         cmocka_unit_test(urgent_bytes_are_bytes),
         cmocka_unit_test(settings_go_with_characters),
