@@ -56,6 +56,9 @@ static const struct {
     {LX_RIG_WORLD, LINE "nvm = text\n",
      "rig.ini:4: nvm: text: something else, no image of this kind of encoder; give a file made by drehgeber, or the "
      "name of a new one"},
+    {LX_RIG_WORLD, "[encoder e]\nmodel = ocd-ib-k3\nwire = modbus:127.0.0.1:0\nnvm = text\n",
+     "rig.ini:4: nvm: text: something else, no image of this kind of encoder; give a file made by drehgeber, or the "
+     "name of a new one"},
     {LX_RIG_WORLD, LINE "nvm = new\ntrace = no/such.vcd\n",
      "rig.ini:5: trace: no/such.vcd: cannot open: No such file or directory"},
     {LX_RIG_PLAN, LINE "nvm = new\ntrace = such.log\n",
