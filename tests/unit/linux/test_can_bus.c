@@ -487,6 +487,43 @@ ssize_t counted_write(int fd, const void *bytes, size_t n)
     return syscall(SYS_write, fd, bytes, n);
 }
 
+static enum dg_calm calm;
+
+static enum dg_calm look_how_calm(void *ctx, dg_ns now)
+{
+    (void)ctx;
+    (void)now;
+    return calm;
+}
+
+static bool sleeps(const struct can_rig *self)
+{
+    return ((const struct lx_can_bus *)self->bus)->due > dg_after(lx_now(), DG_S(1));
+}
+
+/* Else it would find out after minutes that its shaft turns too fast. */
+static void an_encoder_wakes_when_its_shaft_begins_to_turn(void **state)
+{
+    struct can_rig *self = *state;
+    const dg_ns end = dg_after(lx_now(), CAN_RIG_PATIENCE);
+    can_rig_plan(self, 2);
+    can_rig_open(self, 2);
+    calm = DG_CALM_STANDS;
+    for (size_t i = 0; i < 2; i++) {
+        self->station[i].control->world->calm = look_how_calm;
+    }
+    while (!sleeps(self) && lx_now() < end) {
+        can_rig_turn(self);
+    }
+    self->bus->ops->turns(self->bus, lx_now());
+    self->bus->ops->changed(self->bus, NULL, lx_now());
+    assert_true(sleeps(self)); /* another shaft's matter */
+    self->bus->ops->turns(self->bus, lx_now());
+    calm = DG_CALM_UNKNOWN;
+    self->bus->ops->changed(self->bus, NULL, lx_now());
+    assert_false(sleeps(self));
+}
+
 /* Z1: milliseconds behind each frame, which begin again every minute. */
 static void frames_have_the_time_when_they_were_sent(void **state)
 {
@@ -560,6 +597,8 @@ int main(void)
         cmocka_unit_test_setup_teardown(nobody_acknowledges, can_rig_set_up, can_rig_tear_down),
         cmocka_unit_test_setup_teardown(found_without_power, can_rig_set_up, can_rig_tear_down),
         cmocka_unit_test_setup_teardown(a_lost_pty_comes_back, can_rig_set_up, can_rig_tear_down),
+        cmocka_unit_test_setup_teardown(an_encoder_wakes_when_its_shaft_begins_to_turn,
+                                        can_rig_set_up, can_rig_tear_down),
         cmocka_unit_test_setup_teardown(frames_have_the_time_when_they_were_sent, can_rig_set_up,
                                         can_rig_tear_down),
         cmocka_unit_test_setup_teardown(what_a_moment_makes_is_one_write, can_rig_set_up,
