@@ -470,6 +470,8 @@ static void addresses(void **state)
         bool open;
     } rows[] = {
         {"localhost:1", true, "", false},
+        {"localhost:0000001", true, "", false},
+        {"localhost:00000001", false, "", false},
         {"localhost:1,open", true, "", true},
         {"[::1]:0,can0", true, "can0", false},
         {"h:1,vcan-0.1,open", true, "vcan-0.1", true},
