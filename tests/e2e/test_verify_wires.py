@@ -232,6 +232,21 @@ def test_who_is_not_alone_is_told(tmp_path):
                             "no other device\n")
 
 
+def test_another_encoder_on_a_line_is_told(tmp_path):
+    link = tmp_path / "line"
+    (tmp_path / "rig.ini").write_text(
+        f"[bus line]\nwire = pty\naddress = {link}\n"
+        + "".join(f"[encoder {name}]\nmodel = s3684-rs485\nbus = line\naddress = {address}\npace = 0\n"
+                  for name, address in (("asked", "0x40"), ("other", "0x43"))))
+    encoders = Encoder([tmp_path / "rig.ini"])
+    try:
+        ended = run("verify", "s3684-rs485", f"--pty={link}", "--alone", "3.2-2")
+        assert (ended.returncode, ended.stdout, ended.stderr) == (
+            1, "", "drehgeber: another device is on the wire: 43h was received; without --alone, verify disturbs no other device\n")
+    finally:
+        encoders.clean_up()
+
+
 def test_who_is_alone_is_left_as_it_was():
     with Node() as node:
         ended = verify(node, CLAUSE, "--alone")
