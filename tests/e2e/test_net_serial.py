@@ -126,6 +126,24 @@ def test_rate_change_is_followed(listen):
         assert_position(port)
 
 
+def test_one_encoder_with_the_masters_setting_is_enough(tmp_path):
+    file = tmp_path / "rig.ini"
+    file.write_text(f"[bus line]\nwire = rs485\naddress = {TELNET}\n[encoder a]\nmodel = {MULTITURN}\nbus = line\n"
+                    f"[encoder b]\nmodel = {MULTITURN}\nbus = line\naddress = 0x41\n")
+    rig = start_rig(file)
+    setting = UartSetting(19200, "E", 44, False).encode()
+    try:
+        with opened(f"rfc2217://127.0.0.1:{re.search(r':([0-9]+) a$', rig.lines[0])[1]}") as port:
+            assert ask(port, frame(0x41, 0x57, bytes([setting, 0x55])), 4) == frame(0x41, 0x57, bytes([setting]))
+            time.sleep(GAP_S)
+            port.write(frame(0x41, 0x53))
+            time.sleep(START_UP_S)
+            assert_position(port)
+        assert rig.errors.so_far() == []
+    finally:
+        rig.clean_up()
+
+
 def test_characters_are_paced(listen):
     """A reply of 7 characters takes 7 x 11 bits, as the request does 3 x 11."""
     with opened(listen(RAW).url) as port:
