@@ -74,14 +74,17 @@ static struct pio_machine receiver = {.pio = PIO1,
                                       .wrap_to = RECEIVE,
                                       .start = RECEIVE};
 
-/* What came in, with its moment. */
-#define HEARD_MAX 64u /* a power of two */
+/* What came in, with its moment: each character has a start and an end. The erase of a sector may take
+   as long as the longest request. */
+#define HEARD_MAX 512u /* a power of two */
 
 struct heard {
     dg_ns at;
     uint8_t byte;
     uint8_t flags; /* enum dg_hf_rx_flags */
 };
+
+_Static_assert(HEARD_MAX >= 2u * DG_HF_FRAME_MAX, "a request has room");
 
 static struct heard heard[HEARD_MAX];
 static volatile uint32_t heard_in, heard_out;
