@@ -12,12 +12,16 @@
  * DOUBLE_UNPOWERED  while this file is there the encoder has no supply
  * DOUBLE_LOG      file that gets what the encoder has counted
  * DOUBLE_LAG      ns that data comes late; then the encoder has the timeout of lines that are as slow
+ * DOUBLE_ACCESS   ns that an access to a line takes; 300 if it is not set
  * DOUBLE_STALL    every so many accesses to a line one of them takes 1 ms
  * DOUBLE_FLICKER  every so many looks at data one of them sees the other level
  * DOUBLE_DEAF     from this edge of the clock on the encoder answers nothing
  * DOUBLE_DIE      the process is killed when the EEPROM is written for this time
+ * DOUBLE_BARE     1: BiSS without life counter, registers, commands and processing time
  * DOUBLE_SPOIL    "crc": the last bit of frames with CDS = 1; "register": 79h; "again": the last bit of
- *                 words that come again
+ *                 words that come again; "return": MA that returns behind CDM = 1 is
+ *                 e1; "link": a clock that is low for 20 us loses the encoder until it was high for 20 us;
+ *                 "error": nERR is low
  */
 #define _GNU_SOURCE
 #include <fcntl.h>
@@ -39,6 +43,7 @@
 #define ACCESS 300u
 #define STALL DG_MS(1)
 #define SLOW DG_MS(20)
+#define LINK DG_US(20)
 #define LINES 8u
 
 struct gpiod_chip {
@@ -51,6 +56,7 @@ struct gpiod_line {
 /* Settings, as they were at the beginning. */
 struct setting {
     unsigned long lag;
+    unsigned long access;
     unsigned long stall;
     unsigned long flicker;
     unsigned long deaf;
@@ -80,7 +86,9 @@ static struct {
     bool clock;
     unsigned since; /* rising edges behind the start bit, or since the position was stored */
     bool cds;       /* of this frame */
-    bool data[2];   /* before the latest change, and behind it */
+    dg_ns moved;    /* the clock, at the latest */
+    bool unlinked;
+    bool data[2]; /* before the latest change, and behind it */
     dg_ns changed;
     struct gpiod_chip chip;
     struct gpiod_line lines[LINES];
@@ -98,6 +106,7 @@ static void read_settings(void)
 {
     self.setting = (struct setting){
         .lag = figure_of("DOUBLE_LAG"),
+        .access = figure_of("DOUBLE_ACCESS"),
         .stall = figure_of("DOUBLE_STALL"),
         .flicker = figure_of("DOUBLE_FLICKER"),
         .deaf = figure_of("DOUBLE_DEAF"),
@@ -187,6 +196,11 @@ static void make_biss(void)
 {
     self.biss_model = *dg_biss_model_of(self.device);
     self.biss_model.device_id[1] ^= is_spoiled("register") ? 1u : 0u;
+    self.biss_model.unidirectional = figure_of("DOUBLE_BARE") != 0;
+    if (self.biss_model.unidirectional) {
+        self.biss_model.life_counter = false;
+        self.biss_model.busy = 0;
+    }
     self.biss_model.timeout = self.setting.lag > 0 ? SLOW : 0;
     self.from = (dg_angle)figure_of("DOUBLE_COUNT") * (DG_TURN >> self.biss_model.singleturn_bits);
     const struct dg_biss_setup setup = {&self.biss_model, &self.world, open_image()};
@@ -239,8 +253,10 @@ static void make_encoder(void)
         give_up("no model");
     }
     read_settings();
+    self.setting.access = self.setting.access > 0 ? self.setting.access : ACCESS;
     dg_world_init(&self.world);
     self.world.angle = turn_shaft;
+    self.world.led_current_ua = is_spoiled("error") ? 40000 : self.world.led_current_ua;
     self.rpm = (int64_t)figure_of("DOUBLE_RPM");
     if (is_biss()) {
         make_biss();
@@ -257,7 +273,7 @@ static void let_time_pass(void)
 {
     const unsigned long stall = self.setting.stall;
     self.accesses++;
-    self.now += stall > 0 && self.accesses % stall == 0 ? STALL : ACCESS;
+    self.now += stall > 0 && self.accesses % stall == 0 ? STALL : self.setting.access;
     while (self.deadline <= self.now) {
         self.deadline = is_biss() ? dg_biss_step(&self.biss, self.deadline)
                                   : dg_ssi_step(&self.ssi, self.deadline);
@@ -311,11 +327,39 @@ static bool data_of_encoder(bool rose)
     if (self.setting.deaf > 0 && self.edges >= self.setting.deaf) {
         return true;
     }
+    if (self.unlinked) {
+        return true;
+    }
     if (is_biss()) {
         const bool spoiled = spoil_crc(level, rose);
         return is_spoiled("crc") ? spoiled : level;
     }
     return is_spoiled("again") ? spoil_again(level) : level;
+}
+
+/* One that is spoiled sees a pulse that the master has not made. */
+static void move_ma(void)
+{
+    const bool returns = self.clock && self.biss.line.state == DG_BISS_RETURN;
+    (void)dg_biss_ma(&self.biss, self.now, self.clock);
+    if (returns && is_spoiled("return")) {
+        (void)dg_biss_ma(&self.biss, self.now, false);
+        (void)dg_biss_ma(&self.biss, self.now, true);
+    }
+}
+
+/* An encoder that is lost sees no falling edge, so that no word begins. */
+static void move_clock(void)
+{
+    const bool rested = self.now - self.moved > LINK;
+    self.moved = self.now;
+    if (is_spoiled("link") && rested) {
+        self.unlinked = self.clock;
+    }
+    self.since = self.ssi.state == DG_SSI_IDLE ? 0 : self.since + (self.clock ? 1u : 0u);
+    if (!self.unlinked || self.clock) {
+        (void)dg_ssi_clock(&self.ssi, self.now, self.clock);
+    }
 }
 
 /* Data as the master sees it: it comes late. */
@@ -393,11 +437,10 @@ int gpiod_line_set_value(struct gpiod_line *line, int level)
     self.clock = level != 0;
     self.edges++;
     if (is_biss()) {
-        (void)dg_biss_ma(&self.biss, self.now, self.clock);
+        move_ma();
         self.deadline = dg_biss_step(&self.biss, self.now);
     } else {
-        self.since = self.ssi.state == DG_SSI_IDLE ? 0 : self.since + (self.clock ? 1u : 0u);
-        (void)dg_ssi_clock(&self.ssi, self.now, self.clock);
+        move_clock();
         self.deadline = dg_ssi_step(&self.ssi, self.now);
     }
     note_data(self.clock);
