@@ -94,6 +94,14 @@ def test_lines_that_are_slow_have_a_slow_clock(verify, model, clause):
     assert f"agrees   {clause}" in ended.stdout.splitlines()
 
 
+@pytest.mark.parametrize("model, clause", [("s3684-biss", "5.2.1.1-4"), ("ssi-13", "L-6")])
+def test_a_slow_host_keeps_the_clock_that_an_encoder_follows(verify, model, clause):
+    """Half of it would be too slow for 13 us and for 20 us."""
+    ended = verify(model, clause, ACCESS=1700)
+    assert re.search(r"clock 6\d{4} Hz", ended.stdout.splitlines()[0]), ended.stdout
+    assert f"agrees   {clause}" in ended.stdout.splitlines()
+
+
 def test_positions_are_where_the_shaft_is(verify):
     """The last turn is next to the first one."""
     for count in (0, 0x1FFFFFFFF, 0x12345678):

@@ -398,20 +398,31 @@ static void suit_clock(struct biss *self)
     self->trial.timeout_max = slow ? TIMEOUT_SLOW : 0;
 }
 
+/* @return whether frames are good with this clock */
+static bool suits_encoder(struct biss *self)
+{
+    unsigned good = 0;
+    suit_clock(self);
+    self->master.fresh = true;
+    for (unsigned i = 0; i < 2u * FRAMES_GOOD && good < FRAMES_GOOD; i++) {
+        memcpy(self->frames.cdm, "0", 2);
+        (void)clock_asked_frames(self);
+        good += self->bad == 0 ? 1u : 0u;
+        self->master.fresh = self->bad > 0;
+    }
+    return good == FRAMES_GOOD;
+}
+
+/* An encoder with a timeout of its own may not follow the clock that settles. */
 static int find_biss_clock(struct biss *self, const char *where, struct lx_error *error)
 {
     do {
-        unsigned good = 0;
-        suit_clock(self);
-        self->master.fresh = true;
-        for (unsigned i = 0; i < 2u * FRAMES_GOOD && good < FRAMES_GOOD; i++) {
-            memcpy(self->frames.cdm, "0", 2);
-            (void)clock_asked_frames(self);
-            good += self->bad == 0 ? 1u : 0u;
-            self->master.fresh = self->bad > 0;
-        }
-        if (good == FRAMES_GOOD) {
+        const dg_ns half = self->wire.half;
+        if (suits_encoder(self)) {
             verify_lines_settle(&self->wire);
+            if (self->wire.half != half && !suits_encoder(self)) {
+                self->wire.half = half;
+            }
             suit_clock(self);
             return 0;
         }

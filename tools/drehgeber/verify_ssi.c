@@ -342,12 +342,17 @@ static int refuse_turning(const char *where, struct lx_error *error)
     return lx_refuse(error, "expected a shaft at rest", "%s: the shaft turns", where);
 }
 
+/* An encoder with a monoflop time of its own may not follow the clock that settles. */
 static int find_ssi_clock(struct ssi *self, const char *where, struct lx_error *error)
 {
     bool turns = false;
     do {
+        const dg_ns half = self->wire.half;
         if (try_clock(self, &turns)) {
             verify_lines_settle(&self->wire);
+            if (self->wire.half != half && !try_clock(self, &turns)) {
+                self->wire.half = half;
+            }
             suit_model(self);
             return 0;
         }
