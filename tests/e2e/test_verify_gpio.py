@@ -37,6 +37,14 @@ def verify(tmp_path):
     return ask
 
 
+@pytest.fixture
+def bare(verify, tmp_path):
+    """bare(ARGUMENT..., SETTING=VALUE...): ask one with a position, flags and a CRC, and nothing else."""
+    text = tmp_path / "bare.ini"
+    text.write_text("[model bare]\nbase = s3674-biss\nlc = 0\n")
+    return lambda *arguments, **settings: verify(text, *arguments, **{"MODEL": "s3674-biss", "BARE": 1, **settings})
+
+
 def results(ended) -> dict:
     return {row["clause"]: (row["result"], row["why"]) for row in json.loads(ended.stdout)}
 
@@ -109,6 +117,13 @@ def test_positions_are_where_the_shaft_is(verify):
         assert differing(found) == {} and found["5.2.1.2-18"][0] == "agrees"
 
 
+def test_one_without_registers_agrees_with_what_is_about_frames(bare):
+    found = results(bare("--json", "--alone"))
+    assert differing(found) == {}
+    assert {"5.2.1.1-4", "5.2.1.1-8", "5.2.1.2-16", "5.2.1.2-18", "L-1"} <= those(found, "agrees")
+    assert re.match(r"bare: no registers, clock \d+ Hz$", bare("L-1").stdout.splitlines()[0])
+
+
 # --- broken on purpose
 
 BROKEN = {  # model, what is spoiled: the clause that says otherwise, what is told of it
@@ -125,6 +140,11 @@ def test_each_broken_encoder_is_found_and_named(verify, broken):
     (why,) = re.findall(rf"^differs  {re.escape(clause)}: (.*)$", ended.stdout, re.M)
     assert re.search(told, why), why
     assert f"agrees   {clause}" in verify(model, clause).stdout
+
+
+def test_one_that_reports_an_error_is_told_so(verify):
+    first = verify("s3674-biss", "5.2.1.1-4", status=1, SPOIL="error").stdout.splitlines()[0]
+    assert re.search(r"clock \d+ Hz, reports an error$", first), first
 
 
 def test_one_that_dies_is_told_and_ends_it(verify):

@@ -433,6 +433,15 @@ static int find_biss_clock(struct biss *self, const char *where, struct lx_error
                      "%s: no frame with Ack, start bit, the right CRC and timeout", where);
 }
 
+/* Flags that are low differ from the model's in each row: the first line says why. */
+static void tell_health(struct biss *self, const struct biss_word *word)
+{
+    const size_t at = strlen(self->base.identity);
+    (void)snprintf(self->base.identity + at, sizeof self->base.identity - at, "%s%s",
+                   word->n_error ? "" : ", reports an error",
+                   word->n_warning ? "" : ", reports a warning");
+}
+
 /* How far readings of a shaft at rest are apart; how long a frame takes. */
 static int measure_biss_shaft(struct biss *self, const char *where, struct lx_error *error)
 {
@@ -494,23 +503,28 @@ static int identify(struct verify_encoder *base, const char *where, struct lx_er
     if (find_biss_clock(self, where, error) != 0 || measure_biss_shaft(self, where, error) != 0) {
         return -1;
     }
+    const struct biss_word word = self->frames.last.words[0];
     if (self->model.unidirectional) {
         self->delivered = true;
-        (void)snprintf(base->identity, sizeof base->identity, "no registers");
-        return 0;
+        (void)snprintf(base->identity, sizeof base->identity, "no registers, clock %llu Hz",
+                       (unsigned long long)(DG_S(1) / self->master.period_ns));
+    } else if (read_identity(self, where, error) != 0) {
+        return -1;
     }
-    return read_identity(self, where, error);
+    tell_health(self, &word);
+    return 0;
 }
 
-/* IDs are locked in every register access: their number is that of encoders. */
+/* IDs are locked in every register access: their number is that of encoders with registers. */
 static int scan(struct verify_encoder *base, struct lx_error *error)
 {
     struct biss *self = of(base);
+    const bool silent = self->model.unidirectional;
     uint8_t byte = 0;
-    if (!verify_biss_read(self, 0x78, &byte, 1)) {
+    if (!verify_biss_read(self, 0x78, &byte, 1) && !silent) {
         return lx_fail(error, "it does not answer a register access");
     }
-    return self->access.access.idl == 1u
+    return self->access.access.idl == (silent ? 0u : 1u)
                ? 0
                : lx_refuse(error, "without --alone nobody else is disturbed",
                            "somebody else is in the chain: IDL is %03X",
