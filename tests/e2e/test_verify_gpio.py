@@ -142,6 +142,21 @@ def test_each_broken_encoder_is_found_and_named(verify, broken):
     assert f"agrees   {clause}" in verify(model, clause).stdout
 
 
+@pytest.mark.parametrize("count", [4779, 0x1FFFFF])
+def test_one_that_takes_the_return_of_ma_for_e1_is_named_and_asked_further(bare, count):
+    """As the slave of PandABlocks does (docs/verify.md). A position with ones keeps SL high while the encoder is inside a frame."""
+    told = bare("5.2.1.1", "L-1", status=1, SPOIL="return", COUNT=count).stdout
+    (why,) = re.findall(r"^differs  (.*)$", told, re.M)
+    assert re.search(r"^L-1: .*: sent CDM 10110; expected CDS 00000, .*; came CDS 00000, .*, and \d+ frames with no Ack", why), why
+    assert "it ended early" not in told
+
+
+def test_one_that_needs_a_clock_that_is_high_is_given_it(verify):
+    """As the SSI slave of PandABlocks does."""
+    ended = verify("ssi-13", SPOIL="link")
+    assert "it ended early" not in ended.stdout and "agrees   I-1" in ended.stdout
+
+
 def test_one_that_reports_an_error_is_told_so(verify):
     first = verify("s3674-biss", "5.2.1.1-4", status=1, SPOIL="error").stdout.splitlines()[0]
     assert re.search(r"clock \d+ Hz, reports an error$", first), first

@@ -20,6 +20,8 @@
 /* How long SL is waited for behind a frame: of encoders with their own timeouts, and of ours. */
 #define TIMEOUT_FAST DG_MS(10)
 #define TIMEOUT_SLOW DG_MS(400)
+/* The break behind an error, after which a slave is ready (5.2.1.1-15), and what a host adds to it. */
+#define BREAK DG_US(50)
 /* Of a control frame: S, CTS, ID, address, CRC; R and W; the start bit behind them. */
 #define CTS_AT 1u
 #define ID_AT 2u
@@ -70,11 +72,20 @@ static void begin_asking(struct biss *self, unsigned *frames)
     *frames = self->master.frames;
 }
 
+/* An encoder that is still inside a frame, with SL high, would take the next one for its rest. */
+static void make_break(const struct biss *self)
+{
+    verify_stream_sleep(lx_real_now() + BREAK + self->model.timeout);
+}
+
 /* @return whether this host was late: what has come says nothing */
 static bool end_asking(struct biss *self, unsigned frames)
 {
     const bool torn = verify_lines_torn(&self->wire);
     self->bad = self->master.bad_frames;
+    if (self->bad > 0) {
+        make_break(self);
+    }
     self->expected = advance_life(self->life, self->master.frames - frames);
     self->life = self->bad > 0 ? (int)LIFE_ANY : self->expected;
     return torn;

@@ -101,6 +101,13 @@ static uint64_t ssi_range_of(const struct ssi *self)
     return (uint64_t)1 << (self->model.multiturn_bits + self->model.singleturn_bits);
 }
 
+/* The clock rests until any word is over. Data that is high does not say so: it may be a bit of a word, and
+   there are encoders that want to see the clock high before they begin another one. */
+static void end_any_word(const struct ssi *self)
+{
+    verify_stream_sleep(lx_real_now() + 2u * self->model.monoflop + WAIT_ADDS);
+}
+
 /* A word on its own: a 1 in front of it, and a 0 behind. @return whether it was whole */
 static bool read_whole_word(struct ssi *self, struct dg_ssi_frame *frame)
 {
@@ -137,6 +144,7 @@ static bool read_at_rest(struct ssi *self, struct dg_ssi_frame *frame)
     bool whole = false;
     bool at_rest = false;
     for (unsigned i = 0; !at_rest && i < READS_MAX; i++) {
+        end_any_word(self);
         if (read_whole_word(self, &next)) {
             *frame = next;
             at_rest = is_at_rest(self, frame);
