@@ -27,11 +27,13 @@ MODELS = list(WIRES)
 # Every model that verify has clauses for, and the lists of them.
 SUITES = {model: row[2] for model, row in WIRES.items()} | {"ocd-ib-k3": ["interbus"]}
 # model: into how many parts its clauses are cut; how many agree at least; bytes of the image that may be others, which are
-# the store's journal, and of an S36 what data fields had that do not exist any more, of an F36x8 its operating time.
+# the store's journal, and of an S36 what data fields had that do not exist any more, of an F36x8 the zero of USF behind its mark.
 WRITTEN = {
     "s3684-rs485": (12, 260, [(24, 0xAE), (0x1C5, 0x9A5)]),
-    "f3668": (4, 180, [(24, 0x40), (0x27C, 0x292)]),
+    "f3668": (8, 180, [(24, 0x156), (0x27C, 0x292)]),
 }
+# Of an F36x8: the byte that tells whether 1010h has saved since 1011h; and what is of no use then.
+SAVED, UNUSED = 0x15B, [(0x15E, 0x237), (0x23D, 0x27B)]
 # Objects that are lost without supply, and so are not in the image: index, subindices.
 OBJECTS = [(0x1005, [0]), (0x100C, [0]), (0x100D, [0]), (0x1014, [0]), (0x1015, [0]), (0x1016, [1]), (0x1017, [0]), (0x1029, [1]),
            *((0x1800 + pdo, [1, 2, 3, 5]) for pdo in range(4)), *((0x1A00 + pdo, range(9)) for pdo in range(4)),
@@ -125,7 +127,8 @@ def uploads(link) -> list:
 def state(model: str, folder) -> tuple:
     """What an encoder keeps, without what may be otherwise."""
     kept = bytearray((folder / "image").read_bytes())
-    for first, end in WRITTEN[model][2]:
+    unused = UNUSED if model == "f3668" and kept[SAVED] == 0 else []
+    for first, end in WRITTEN[model][2] + unused:
         kept[first:end] = bytes(end - first)
     return bytes(kept), uploads(folder / "link") if model == "f3668" else []
 

@@ -79,14 +79,15 @@ static const struct {
                "'agrees', 'differs' or 'not seen: why' for each clause. The status is 1 when a\n"
                "clause differs. CLAUSE is one clause, or the beginning of several; without it,\n"
                "verify checks all of them. When a run with --write was interrupted, --restore\n"
-               "puts back the old values. Please send us your report (--report).\n"
+               "puts back the old values; after a run with --power, give that, too. Please send\n"
+               "us your report (--report).\n"
                "The EDS file of a CANopen device can be the MODEL: verify reads its objects.\n\n"
                "  drehgeber verify s3684-rs485 --tty=/dev/ttyUSB0 --report s3684.txt\n"
                "  drehgeber verify s3684-biss --gpio=gpiochip0:4,5\n"
                "  drehgeber verify f3668 --can=can0 --node 63\n"
                "  drehgeber verify vendor.eds --can=can0 --node 5\n"
                "  drehgeber verify f3668 --can=can0 --write --power ./relay\n"
-               "  drehgeber verify f3668 --can=can0 --restore\n"},
+               "  drehgeber verify f3668 --can=can0 --restore --power ./relay\n"},
     {"ctl", "ctl sends the commands and prints the answers; without a command it reads them\n"
             "from stdin. Without --control, ctl talks to the only running rig. A number\n"
             "without a unit is in DEG, RPM, RPM/S, MS, DEGC, MV or UA; DURation of FAULt:SET\n"

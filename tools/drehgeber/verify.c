@@ -210,6 +210,7 @@ static bool rehearse(struct verify *self, const struct cf_suite *suite, const st
         missing |= CF_EXACT;
     }
     missing |= rehearsal.needs & ~self->allowed;
+    self->encoder->cuts = (rehearsal.needs & CF_POWER) != 0;
     if (!fits) {
         *to = make_row(VERIFY_NOT_SEEN, "is about an encoder with other figures");
     } else if (missing != 0) {

@@ -94,51 +94,6 @@ int verify_canopen_receive_id(struct canopen *self, uint16_t id, dg_ns until,
     return -1;
 }
 
-/* The answer to the upload that was asked for last; late ones, to other uploads, are dropped. @return false:
-   none came that brings something */
-static bool await_upload(struct canopen *self, struct dg_can_frame *to)
-{
-    const uint16_t id = (uint16_t)(SDO_ANSWER + self->node);
-    const dg_ns until = self->base.since + ANSWER_MAX;
-    struct cf_report report = {0};
-    for (unsigned i = 0; i < LATE_MAX; i++) {
-        if (verify_canopen_receive_id(self, id, until, to, &report) != 1) {
-            return false;
-        }
-        if (to->dlc == 8 && memcmp(to->data + 1, self->request.data + 1, 3) == 0) {
-            return to->data[0] >> 5 == 2u;
-        }
-    }
-    return false;
-}
-
-/* Upload an object of at most four bytes. @return how many, 0: it was not answered so */
-size_t verify_canopen_upload(struct canopen *self, uint16_t index, uint8_t sub, uint32_t *value)
-{
-    struct dg_can_frame frame = {.id = (uint16_t)(SDO_REQUEST + self->node), .dlc = 8};
-    struct cf_report report = {0};
-    uint8_t bytes[4] = {0};
-    frame.data[0] = 0x40;
-    frame.data[1] = (uint8_t)index;
-    frame.data[2] = (uint8_t)(index >> 8);
-    frame.data[3] = sub;
-    if (!verify_canopen_send_frame(self, &frame, &report) || !await_upload(self, &frame)) {
-        return 0;
-    }
-    if ((frame.data[0] & 2u) == 0) {
-        /* It is longer, and would go on in segments. */
-        frame = self->request;
-        frame.data[0] = 0x80;
-        (void)verify_canopen_send_frame(self, &frame, &report);
-        return 0;
-    }
-    /* A server may leave open how many bytes of the four are data. */
-    const size_t n = (frame.data[0] & 1u) != 0 ? 4u - (frame.data[0] >> 2 & 3u) : 4u;
-    memcpy(bytes, frame.data + 4, n);
-    *value = le32(bytes);
-    return n;
-}
-
 /* --- what is compared --- */
 
 /* Objects that are not constant: from, to, what they are. */
@@ -261,6 +216,9 @@ static bool on_sent(void *ctx, const struct cf_unit *request, struct cf_report *
 {
     struct canopen *self = ctx;
     struct dg_can_frame frame = frame_of(request);
+    if (self->refusal[0] != '\0' && !self->irreversible) {
+        return verify_fail(&self->base, VERIFY_NOT_SEEN, report, "%s", self->refusal);
+    }
     frame.id = move_id(frame.id, ROW_NODE, self->node);
     if (frame.id == 0 && frame.dlc == 2 && frame.data[1] == ROW_NODE) {
         frame.data[1] = self->node;
@@ -427,15 +385,16 @@ static void rehearse(struct verify_encoder *base, const struct cf_beside *beside
     const struct cf_canopen_trial trial = {
         .device = self->device, .slack = slack, .beside = *beside};
     self->touched_count = 0;
+    self->stores = false;
+    self->one_way = false;
     cf_canopen_try(&trial);
 }
 
-/* What one cannot write back: what stores or deletes, who the node is, and the preset, which moves
-   the offset and keeps its value. */
+/* What one cannot write back: what deletes, and who the node is. */
 static bool is_one_way(uint16_t index)
 {
-    static const uint16_t indices[] = {0x1003, 0x1010, 0x1011, 0x2100, 0x2101, 0x2102,
-                                       0x2105, 0x300A, 0x300B, 0x6003, 0x6509};
+    static const uint16_t indices[] = {0x1003, 0x2100, 0x2101, 0x2102,
+                                       0x2105, 0x300A, 0x300B, 0x6509};
     bool found = false;
     for (size_t i = 0; i < DG_COUNT(indices); i++) {
         found = found || indices[i] == index;
@@ -461,6 +420,11 @@ static unsigned touch(struct canopen *self, const struct cf_unit *request)
     if (!known) {
         self->touched[self->touched_count++] = object;
     }
+    if (verify_canopen_needs_saved(object.index)) {
+        self->stores = true;
+        return CF_WRITE | (self->irreversible ? 0u : CF_POWER);
+    }
+    self->one_way = self->one_way || is_one_way(object.index);
     return CF_WRITE | (is_one_way(object.index) ? CF_ONE_WAY : 0u);
 }
 
@@ -516,7 +480,9 @@ static bool begin(struct verify_encoder *base, struct cf_report *report)
     self->restored = false;
     self->trial.raw = verify_canopen_upload(self, 0x2160, 0, &value) > 0 ? value : 0;
     (void)verify_canopen_upload(self, 0x6004, 0, &self->position);
-    if (base->journal != NULL && !verify_canopen_note_touched(self, report)) {
+    if (base->journal != NULL &&
+        (!verify_canopen_note_saved(self, report) || !verify_canopen_note_touched(self, report) ||
+         !verify_canopen_deliver(self, report))) {
         return false;
     }
     self->trial.device = self->device;
@@ -647,6 +613,7 @@ static int open_encoder(struct verify_encoder *base, const struct options *optio
     struct canopen *self = of(base);
     self->device = options->eds == NULL ? options->device : NULL;
     self->alone = options->alone;
+    self->irreversible = options->irreversible;
     self->wire.stream.fd = -1;
     return verify_eds_node(options->node, &self->node, error) == 0
                ? verify_frames_open(&self->wire, options->wire->name, options->where, error)
@@ -665,7 +632,8 @@ const struct verify_protocol verify_canopen = {
     .suites = {"canopen", "cia406"},
     .choices = "CD",
     .writes =
-        "objects, by SDO: communication, TPDOs and their mapping, scaling, working areas, customer memory",
+        "objects, by SDO: communication, TPDOs and their mapping, scaling, working areas, customer memory; "
+        "with --power COMMAND also the preset, and what is saved",
     .rows = cf_canopen,
     .size = sizeof(struct canopen),
     .open = open_encoder,

@@ -6,49 +6,66 @@
 #include "drehgeber/bits.h"
 #include "verify_canopen.h"
 
-/* Note a download that puts `value` into an object. */
-static bool note_download(struct canopen *self, uint16_t index, uint8_t sub, uint32_t value,
-                          size_t n)
+/* Abort codes (CiA 301): the encoder does not have this object, or this sub-index. */
+#define NO_OBJECT 0x06020000u
+#define NO_SUB 0x06090011u
+/* Entries of a mapping. */
+#define ENTRIES 8u
+/* How often an object is asked for. */
+#define UPLOADS 3u
+
+bool verify_canopen_note_download(struct canopen *self, enum note_of of,
+                                  const struct object *object, uint32_t value, size_t n)
 {
     const uint8_t bytes[8] = {(uint8_t)(0x23u | (4u - n) << 2),
-                              (uint8_t)index,
-                              (uint8_t)(index >> 8),
-                              sub,
+                              (uint8_t)object->index,
+                              (uint8_t)(object->index >> 8),
+                              object->sub,
                               (uint8_t)value,
                               (uint8_t)(value >> 8),
                               (uint8_t)(value >> 16),
                               (uint8_t)(value >> 24)};
-    const struct cf_unit unit = {.bytes = bytes, .n = sizeof bytes};
+    const struct cf_unit unit = {.id = (uint16_t)of, .bytes = bytes, .n = sizeof bytes};
     return verify_journal_add(self->base.journal, true, &unit);
 }
 
-/* Note what an object is; one that cannot be read cannot be written either. */
-static bool note_object(struct canopen *self, uint16_t index, uint8_t sub)
+bool verify_canopen_note_object(struct canopen *self, enum note_of of, uint16_t index, uint8_t sub)
 {
-    uint32_t value;
-    const size_t n = verify_canopen_upload(self, index, sub, &value);
-    return n == 0 || note_download(self, index, sub, value, n);
+    const struct object object = {index, sub};
+    uint32_t value = 0;
+    size_t n = 0;
+    self->abort = 0;
+    for (unsigned i = 0; i < UPLOADS && n == 0 && self->abort == 0; i++) {
+        n = verify_canopen_upload(self, index, sub, &value);
+    }
+    if (n == 0 && self->abort != NO_OBJECT && self->abort != NO_SUB) {
+        self->unread = object;
+    }
+    return n == 0 || verify_canopen_note_download(self, of, &object, value, n);
 }
 
 /* A mapping can be written only while its PDO is off and the mapping is empty. */
-static bool note_tpdo(struct canopen *self, unsigned number)
+bool verify_canopen_note_tpdo(struct canopen *self, enum note_of of, unsigned number)
 {
-    const uint16_t communication = (uint16_t)(0x1800u + number);
-    const uint16_t mapping = (uint16_t)(0x1A00u + number);
+    const struct object communication = {(uint16_t)(0x1800u + number), 1};
+    const struct object mapping = {(uint16_t)(0x1A00u + number), 0};
     uint32_t id;
     uint32_t count;
-    if (verify_canopen_upload(self, communication, 1, &id) == 0 ||
-        verify_canopen_upload(self, mapping, 0, &count) == 0) {
+    if (verify_canopen_upload(self, communication.index, 1, &id) == 0 ||
+        verify_canopen_upload(self, mapping.index, 0, &count) == 0) {
+        self->unread = communication;
         return true;
     }
-    bool noted =
-        note_download(self, communication, 1, id | OFF, 4) && note_download(self, mapping, 0, 0, 1);
-    for (uint8_t sub = 1; noted && sub <= count && sub <= 8; sub++) {
-        noted = note_object(self, mapping, sub);
+    bool noted = verify_canopen_note_download(self, of, &communication, id | OFF, 4) &&
+                 verify_canopen_note_download(self, of, &mapping, 0, 1);
+    for (uint8_t sub = 1; noted && sub <= ENTRIES; sub++) {
+        noted = verify_canopen_note_object(self, of, mapping.index, sub);
     }
-    return noted && note_download(self, mapping, 0, count, 1) &&
-           note_object(self, communication, 2) && note_object(self, communication, 3) &&
-           note_object(self, communication, 5) && note_download(self, communication, 1, id, 4);
+    return noted && verify_canopen_note_download(self, of, &mapping, count, 1) &&
+           verify_canopen_note_object(self, of, communication.index, 2) &&
+           verify_canopen_note_object(self, of, communication.index, 3) &&
+           verify_canopen_note_object(self, of, communication.index, 5) &&
+           verify_canopen_note_download(self, of, &communication, id, 4);
 }
 
 /* Everything that the row will write, before it writes any of it. */
@@ -60,26 +77,18 @@ bool verify_canopen_note_touched(struct canopen *self, struct cf_report *report)
         const struct object *object = &self->touched[i - 1u];
         const unsigned pdo = object->index & 0xFFu;
         const bool of_pdo = (object->index >> 8 == 0x18u || object->index >> 8 == 0x1Au);
+        if (verify_canopen_needs_saved(object->index)) {
+            continue; /* what it reads is no signature, and no place of the shaft */
+        }
         if (!of_pdo || pdo >= TPDOS) {
-            noted = note_object(self, object->index, object->sub);
+            noted = verify_canopen_note_object(self, NOTE_NOW, object->index, object->sub);
         } else if (!tpdos[pdo]) {
             tpdos[pdo] = true;
-            noted = note_tpdo(self, pdo);
+            noted = verify_canopen_note_tpdo(self, NOTE_NOW, pdo);
         }
     }
     noted = noted && verify_journal_sync(self->base.journal);
     return noted || verify_fail(&self->base, VERIFY_LOST, report, "the journal cannot be written");
-}
-
-static bool download(struct canopen *self, const struct cf_unit *unit)
-{
-    struct dg_can_frame frame = {.id = (uint16_t)(SDO_REQUEST + self->node), .dlc = 8};
-    struct cf_report report = {0};
-    memcpy(frame.data, unit->bytes, unit->n < 8 ? unit->n : 8u);
-    return verify_canopen_send_frame(self, &frame, &report) &&
-           verify_canopen_receive_id(self, (uint16_t)(SDO_ANSWER + self->node),
-                                     self->base.since + ANSWER_MAX, &frame, &report) == 1 &&
-           frame.data[0] == 0x60u;
 }
 
 /* Whether an object is what its last note says; of a TPDO it was something else between. */
@@ -94,7 +103,8 @@ static bool is_back(struct canopen *self, size_t index)
         return true;
     }
     for (size_t i = index + 1u; i < journal->count; i++) {
-        if (memcmp(journal->notes[i].bytes + 1, note->bytes + 1, 3) == 0) {
+        if (journal->notes[i].id == note->id &&
+            memcmp(journal->notes[i].bytes + 1, note->bytes + 1, 3) == 0) {
             return true;
         }
     }
@@ -102,23 +112,57 @@ static bool is_back(struct canopen *self, size_t index)
            value == le32(note->bytes + 4);
 }
 
-/* What a constant object answers to is no matter: it is compared below. */
+size_t verify_canopen_find_changed(struct canopen *self, enum note_of first, enum note_of last)
+{
+    const struct verify_journal *journal = self->base.journal;
+    size_t at = 0;
+    while (at < journal->count &&
+           (journal->notes[at].id < first || journal->notes[at].id > last || is_back(self, at))) {
+        at++;
+    }
+    return at;
+}
+
+void verify_canopen_write_notes(struct canopen *self, enum note_of of)
+{
+    const struct verify_journal *journal = self->base.journal;
+    for (size_t i = 0; i < journal->count; i++) {
+        const struct cf_unit unit = verify_note_unit(&journal->notes[i]);
+        if (unit.id == of) {
+            (void)verify_canopen_download(self, &unit);
+        }
+    }
+}
+
+/* What is in force; what a constant object answers to is no matter: it is compared. */
+static bool put_back_objects(struct canopen *self, struct cf_report *report)
+{
+    const struct verify_journal *journal = self->base.journal;
+    if (verify_canopen_find_changed(self, NOTE_CUT, NOTE_CUT) != journal->count) {
+        verify_canopen_write_notes(self, NOTE_CUT);
+    }
+    verify_canopen_write_notes(self, NOTE_NOW);
+    const size_t at = verify_canopen_find_changed(self, NOTE_NOW, NOTE_CUT);
+    if (at == journal->count) {
+        return true;
+    }
+    const uint8_t *bytes = journal->notes[at].bytes;
+    return verify_fail(&self->base, VERIFY_LOST, report, "%02X%02Xh:%u", bytes[2], bytes[1],
+                       (unsigned)bytes[3]);
+}
+
+/* What is saved comes first. A run that was killed may have left the encoder without supply. */
 bool verify_canopen_put_back(struct verify_encoder *base, struct cf_report *report)
 {
     struct canopen *self = of(base);
     struct cf_report ignored = {0};
     uint32_t position = 0;
-    (void)verify_canopen_settle(self, &ignored);
-    for (size_t i = 0; i < base->journal->count; i++) {
-        const struct cf_unit unit = verify_note_unit(&base->journal->notes[i]);
-        (void)download(self, &unit);
+    if (!verify_canopen_settle(self, &ignored) && base->power != NULL) {
+        (void)verify_powered(base, true, &ignored);
     }
-    for (size_t i = 0; i < base->journal->count; i++) {
-        if (!is_back(self, i)) {
-            const uint8_t *bytes = base->journal->notes[i].bytes;
-            return verify_fail(base, VERIFY_LOST, report, "%02X%02Xh:%u", bytes[2], bytes[1],
-                               (unsigned)bytes[3]);
-        }
+    if ((verify_canopen_has_saved(self) && !verify_canopen_save_again(self, report)) ||
+        !put_back_objects(self, report)) {
+        return false;
     }
     const bool near = self->position == 0 ||
                       verify_canopen_upload(self, 0x6004, 0, &position) == 0 ||

@@ -2,11 +2,18 @@
 /* What a row has made of a CANopen encoder: its owner cannot have set that to something else. */
 #include "verify_canopen.h"
 
+/* What goes with the node number is delivered for one of them; the number itself is the encoder's own. */
+static bool is_brought_back(const struct canopen *self, uint16_t index, uint8_t sub)
+{
+    const bool of_node = index == 0x100Bu || index == 0x1014u || (index >> 8 == 0x18u && sub == 1);
+    return (index < BUS_FIRST || index > BUS_LAST) && (!of_node || self->node == ROW_NODE);
+}
+
 /* What was written, or brought back, is no longer what somebody may have changed before. */
 bool verify_canopen_is_known(const struct canopen *self, const uint8_t *answer)
 {
     const uint16_t index = (uint16_t)(answer[1] | (unsigned)answer[2] << 8);
-    bool known = self->restored && (index < BUS_FIRST || index > BUS_LAST);
+    bool known = self->restored && is_brought_back(self, index, answer[3]);
     for (size_t i = 0; i < self->written_count; i++) {
         known = known || (self->written[i].index == index && self->written[i].sub == answer[3]);
     }

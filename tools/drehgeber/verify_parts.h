@@ -46,6 +46,7 @@ struct verify_encoder {
     enum verify_outcome outcome;    /* of the row that runs, when its steps have failed */
     struct verify_journal *journal; /* for what is changed; NULL: nothing may be */
     dg_ns since;                    /* the last step of the row that runs, when that counts */
+    bool cuts;                      /* the row that was rehearsed last cuts its supply */
     bool off;                       /* its supply is cut */
     bool declined;                  /* the user does not want to switch it */
     bool held_up;      /* this host was late in the row that runs: what differs says nothing */
