@@ -31,8 +31,7 @@ from verified import SERIAL, SUITES, clauses  # noqa: E402
 
 SEED = 20261129
 DRAWN, ENOUGH = 40, 38
-OPTIONS = ["--alone", "--write"]
-FOR_GOOD = [*OPTIONS, "--irreversible"]  # for what OPTIONS do not find: a broken encoder may be spoiled
+OPTIONS = ["--alone", "--write"]  # and --power, with the relay of each encoder: nothing else is asked for
 LIMIT_S = 400.0
 PARTS = 12  # into which the clauses of a model are cut when all of them are asked
 # model: its wire, where FOLDER is a folder of its own; its shaft; what else it is run with
@@ -141,9 +140,9 @@ class Verified:
         ready = self.encoder.ready_line.rpartition(":")[2]
         self.wire = wire.replace("FOLDER", str(folder)).replace("127.0.0.1:0", f"127.0.0.1:{ready}")
 
-    def ask(self, names: list, options: list) -> tuple:
+    def ask(self, names: list) -> tuple:
         """({clause: (result, why)}, what was said when there is nothing of that)"""
-        command = [PROGRAM, "verify", self.model, self.wire, *options, "--json", "--power", self.relay,
+        command = [PROGRAM, "verify", self.model, self.wire, *OPTIONS, "--json", "--power", self.relay,
                    "--journal", self.folder / "journal", *names]
         try:
             ended = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=LIMIT_S)
@@ -155,14 +154,14 @@ class Verified:
         return {Clause(row["suite"], row["clause"]): (row["result"], row["why"]) for row in rows}, ""
 
 
-def ask_encoder(folder: Path, model: str, program, names: list, options=tuple(OPTIONS)) -> tuple:
+def ask_encoder(folder: Path, model: str, program, names: list) -> tuple:
     """As Verified.ask(), by an encoder that is run for it."""
     try:
         one = Verified(folder, model, program)
     except AssertionError as error:
         return {}, f"it does not run: {error}"
     try:
-        return one.ask(names, options)
+        return one.ask(names)
     finally:
         one.encoder.clean_up()
 
@@ -261,11 +260,8 @@ def judge(each: Break, found: dict, said: str) -> tuple:
 
 
 def try_break(pool, folder: Path, each: Break, model: str, program) -> tuple:
-    """The clause alone is asked for first, then for good; if that does not find it, all are, to see whether another one does."""
+    """The clause alone is asked for first; if that does not find it, all are, to see whether another one does."""
     verdict = judge(each, *ask_encoder(folder / "named", model, program, [each.clause.name]))
-    if verdict[0] == "missed":
-        more = judge(each, *ask_encoder(folder / "for_good", model, program, [each.clause.name], FOR_GOOD))
-        verdict = ("spoiled", more[1]) if more[0] == "named" else verdict
     if verdict[0] == "missed":
         verdict = judge(each, ask_all(pool, folder, model, program), verdict[1])
     return verdict
@@ -296,8 +292,7 @@ def try_breaks(pool, jobs: int, folder: Path, marked: dict, breaks: list) -> int
             verdict, why = one.result()
             counts.append(verdict)
             print(f"{verdict:8} {each.clause}: {each.what}\n         {why}", flush=True)
-    named = counts.count("named") + counts.count("spoiled")
-    print(f"{counts.count('spoiled')} of these needed --irreversible")
+    named = counts.count("named")
     print(f"found {len(counts) - counts.count('missed')} of {len(counts)}, named {named}")
     return named
 
