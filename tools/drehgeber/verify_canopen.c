@@ -325,8 +325,9 @@ static bool on_answered(void *ctx, const struct cf_answer *answer, struct cf_rep
                            "needs an encoder in its delivery state");
     }
     const uint16_t id = move_id(answer->got.id, ROW_NODE, self->node);
-    const dg_ns late = answer->latest_ns + self->jitter + HOST_ADDS;
-    self->passed_count = answer->timed ? 0 : self->passed_count;
+    const dg_ns slack = self->jitter + HOST_ADDS;
+    const dg_ns late = answer->latest_ns + slack;
+    self->passed_count = answer->timed && answer->earliest_ns > slack ? 0 : self->passed_count;
     const int result = verify_canopen_receive_id(
         self, id, self->base.since + (answer->timed ? late : ANSWER_MAX), &came, report);
     if (result <= 0) {
@@ -335,7 +336,7 @@ static bool on_answered(void *ctx, const struct cf_answer *answer, struct cf_rep
     const dg_ns took = lx_real_now() - self->base.since;
     self->base.since += took;
     verify_canopen_remember(self, &answer->got);
-    if (answer->timed && took + self->jitter + HOST_ADDS < answer->earliest_ns) {
+    if (answer->timed && took + slack < answer->earliest_ns) {
         return verify_fail(&self->base, VERIFY_DIFFERS, report, "%03Xh came after %llu us already",
                            (unsigned)came.id, (unsigned long long)took / 1000u);
     }
