@@ -59,7 +59,7 @@ _drehgeber_options()
         ssi) echo " --model= --shaft= --set= --trace= --help" ;;
         map) echo " --ring= --model= --help" ;;
         fmu) echo " --model= --serial= --node= --set= --output= --fmi= --help" ;;
-        verify) echo " --pty= --tty= --rs485= --sim --gpio= --can= --slcan= --socketcand= --silkit= --modbus= --model= --node= --json --alone --write --irreversible --restore --journal= --power= --junit= --report= --quiet --help" ;;
+        verify) echo " --pty= --tty= --rs485= --sim --gpio= --can= --slcan= --socketcand= --silkit= --modbus= --model= --node= --set= --json --alone --write --irreversible --restore --journal= --power= --junit= --report= --quiet --help" ;;
         ctl) echo " --control= --timeout= --help" ;;
         top) echo " --control= --help" ;;
         web) echo " --control= --listen= --token= --watch --help" ;;

@@ -124,7 +124,7 @@ const struct command_row command_rows[] = {
         .usage = "verify MODEL WIRE [CLAUSE ...] [OPTIONS]",
         .help = "check a real encoder against the clauses of its manual",
         .takes =
-            " model node alone write irreversible restore journal power junit report json quiet ",
+            " model node set alone write irreversible restore journal power junit report json quiet ",
         .ask = verify_command,
     },
     {

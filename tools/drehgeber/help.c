@@ -20,6 +20,9 @@ const char help_motion[] =
     "  Units: DEG REV (angle), RPM (speed), S MS (time). Positive is clockwise. The\n"
     "  encoder is ready at time 0. A file has lines 'time_s,angle_deg'.\n";
 
+const char help_time[] = "  time   with --silkit, as the encoder has it: coordinated (default),\n"
+                         "         autonomous or real\n";
+
 const char help_exit[] =
     "0 after SIGTERM or SIGINT, 2 for a wrong or missing command line, 1 otherwise.\n";
 
@@ -73,7 +76,8 @@ static const struct {
             "  drehgeber fmu s3684-biss --output axis.fmu\n"
             "  drehgeber fmu vendor.eds --output vendor.fmu\n"},
     {"verify", "WIRE is --tty, --pty or --rs485 for RS485, --gpio for BiSS and SSI, --modbus\n"
-               "for INTERBUS, and --can, --slcan or --socketcand for CANopen.\n"
+               "for INTERBUS, and --can, --slcan or --socketcand for CANopen. --silkit is for\n"
+               "RS485 and CANopen in a simulation, with --set time=... as the encoder has it.\n"
                "Without --write, verify changes nothing. Without --alone, it sends nothing\n"
                "that another device would obey. It prints\n"
                "'agrees', 'differs' or 'not seen: why' for each clause. The status is 1 when a\n"
@@ -437,7 +441,9 @@ static void print_one(const struct options *options)
     if (uses(row, " shaft ")) {
         (void)printf("\n MOTION:\n  %s\n%s", dg_motion_forms, help_motion);
     }
-    if (uses(row, " set ") && device != NULL) {
+    if (row->command == COMMAND_VERIFY) {
+        (void)printf("\n KEY=VALUE:\n%s", help_time);
+    } else if (uses(row, " set ") && device != NULL) {
         const bool factory = print_stack(row, lx_stack_of(device), device);
         print_senses(row, lx_stack_of(device));
         if (factory && uses(row, " nvm ")) {

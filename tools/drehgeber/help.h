@@ -14,6 +14,7 @@
    themselves. */
 extern const char help_intro[];
 extern const char help_motion[];
+extern const char help_time[]; /* KEY=VALUE of verify */
 extern const char help_exit[];
 
 /* More than the row of a command says, such a text. */

@@ -14,9 +14,11 @@
 #include "complain.h"
 #include "eds_file.h"
 #include "say.h"
+#include "silkit.h"
 #include "stacks.h"
 #include "timer.h"
 #include "verify_parts.h"
+#include "verify_silkit.h"
 #include "verify_stream.h"
 
 static const struct verify_protocol *const protocols[] = {
@@ -265,8 +267,8 @@ bool verify_powered(void *encoder, bool on, struct cf_report *report)
                            "its supply was not switched");
     }
     self->off = !on;
-    verify_stream_sleep(lx_real_now() + VERIFY_START);
-    self->since = lx_real_now();
+    verify_stream_wait(self->stream, lx_now() + VERIFY_START);
+    self->since = lx_now();
     return true;
 }
 
@@ -396,6 +398,19 @@ static const struct verify_protocol *protocol_of(const struct options *options)
     return NULL;
 }
 
+/* Of a wire, that is: those of an encoder are its own. */
+static int refuse_settings(const struct options *options, struct lx_error *error)
+{
+    for (size_t i = 0; i < options->settings.count; i++) {
+        const char *key = options->settings.list[i].key;
+        if (!verify_silkit_is(options) || strcmp(key, "time") != 0) {
+            return lx_refuse(error, "expected none but time, with --silkit",
+                             "--set %s: verify has no such setting", key);
+        }
+    }
+    return 0;
+}
+
 static int refuse_options(const struct options *options, struct lx_error *error)
 {
     struct lx_words right = {"expected one of:"};
@@ -429,7 +444,7 @@ static int refuse_options(const struct options *options, struct lx_error *error)
             "for example",
             "verify needs the wire that leads to the encoder");
     }
-    return 0;
+    return refuse_settings(options, error);
 }
 
 static int write_file(const struct verify_result *result, const char *path,
@@ -519,6 +534,18 @@ static void free_encoder(struct verify_encoder *self)
     free(self);
 }
 
+static int find_encoder(struct verify_encoder *self, const struct options *options,
+                        struct lx_error *error)
+{
+    if (options->restore || self->protocol->identify(self, options->where, error) == 0) {
+        return 0;
+    }
+    if (self->stream != NULL) {
+        (void)verify_stream_explain(self->stream, error);
+    }
+    return -1;
+}
+
 /* To be freed. NULL with `error` */
 static struct verify_encoder *make_encoder(const struct verify *self, struct lx_error *error)
 {
@@ -536,7 +563,7 @@ static struct verify_encoder *make_encoder(const struct verify *self, struct lx_
     encoder->journal = self->journal;
     encoder->power = options->power;
     if (protocol->open(encoder, options, error) != 0 ||
-        (!options->restore && protocol->identify(encoder, options->where, error) != 0)) {
+        find_encoder(encoder, options, error) != 0) {
         free_encoder(encoder);
         return NULL;
     }
@@ -618,5 +645,9 @@ int verify_command(const struct options *options)
         free(self.journal);
     }
     verify_unload_suites(&self.result);
+    if (lx_silkit_is_left_behind()) {
+        (void)fflush(NULL);
+        _exit(status);
+    }
     return status;
 }

@@ -31,7 +31,7 @@ bool verify_canopen_send_frame(struct canopen *self, const struct dg_can_frame *
     if (verify_frames_send(&self->wire, frame) != 0) {
         return verify_fail(&self->base, VERIFY_LOST, report, "the wire accepts no more data");
     }
-    self->base.since = lx_real_now();
+    self->base.since = lx_now();
     return true;
 }
 
@@ -80,7 +80,7 @@ int verify_canopen_receive_id(struct canopen *self, uint16_t id, dg_ns until,
             (void)verify_fail(&self->base, VERIFY_LOST, report, "the wire is gone");
             return -1;
         }
-        if (result == 0 && lx_real_now() >= until) {
+        if (result == 0 && lx_now() >= until) {
             return 0;
         }
         if (result > 0 && (id == 0 ? is_answer(self, to->id) : to->id == id)) {
@@ -333,7 +333,7 @@ static bool on_answered(void *ctx, const struct cf_answer *answer, struct cf_rep
     if (result <= 0) {
         return result == 0 && report_frame(self, &answer->got, NULL, report);
     }
-    const dg_ns took = lx_real_now() - self->base.since;
+    const dg_ns took = lx_now() - self->base.since;
     self->base.since += took;
     verify_canopen_remember(self, &answer->got);
     if (answer->timed && took + slack < answer->earliest_ns) {
@@ -350,7 +350,7 @@ static bool on_silent(void *ctx, uint64_t ns, struct cf_report *report)
     struct dg_can_frame came;
     const dg_ns wait = ns == 1u ? SETTLE : ns > SILENCE ? ns : SILENCE;
     const uint16_t id = ns == 1u ? (uint16_t)(SDO_ANSWER + self->node) : 0; /* PDOs may go on */
-    const int result = verify_canopen_receive_id(self, id, lx_real_now() + wait, &came, report);
+    const int result = verify_canopen_receive_id(self, id, lx_now() + wait, &came, report);
     return result == 0 || (result > 0 && report_frame(self, &nothing, &came, report));
 }
 
@@ -358,8 +358,8 @@ static bool on_waited(void *ctx, uint64_t ns, struct cf_report *report)
 {
     struct canopen *self = ctx;
     (void)report;
-    verify_stream_sleep(lx_real_now() + ns);
-    self->base.since = lx_real_now();
+    verify_stream_wait(&self->wire.stream, lx_now() + ns);
+    self->base.since = lx_now();
     return true;
 }
 
@@ -458,7 +458,7 @@ bool verify_canopen_settle(struct canopen *self, struct cf_report *report)
     uint32_t value;
     for (unsigned i = 0; i < 3; i++) {
         if (!verify_canopen_send_frame(self, &abort, report) ||
-            verify_canopen_receive_id(self, NOBODY, lx_real_now() + SETTLE, &came, report) < 0) {
+            verify_canopen_receive_id(self, NOBODY, lx_now() + SETTLE, &came, report) < 0) {
             return false;
         }
         if (verify_canopen_upload(self, 0x1000, 0, &value) > 0) {
@@ -500,7 +500,7 @@ static void leave_encoder(struct canopen *self)
     const struct dg_can_frame calm = {.id = 0, .dlc = 2, .data = {0x80, self->node}};
     (void)verify_frames_send(&self->wire, &waiting);
     (void)verify_frames_send(&self->wire, &calm);
-    verify_stream_sleep(lx_real_now() + SILENCE);
+    verify_stream_wait(&self->wire.stream, lx_now() + SILENCE);
 }
 
 static bool end(struct verify_encoder *base, struct cf_report *report)
@@ -556,11 +556,11 @@ static int measure_node(struct canopen *self, const char *where, struct lx_error
     uint32_t before = 0;
     for (unsigned i = 0; i < READINGS; i++) {
         uint32_t now = 0;
-        const dg_ns from = lx_real_now();
+        const dg_ns from = lx_now();
         if (verify_canopen_upload(self, 0x6004, 0, &now) == 0) {
             return unanswered(self, where, error);
         }
-        const dg_ns took = lx_real_now() - from;
+        const dg_ns took = lx_now() - from;
         shortest = took < shortest ? took : shortest;
         longest = took > longest ? took : longest;
         while (i > 0 && !verify_canopen_is_near(self, now, before) && self->moves <= MOVES_MAX) {
@@ -581,16 +581,16 @@ static int measure_node(struct canopen *self, const char *where, struct lx_error
 static int scan(struct verify_encoder *base, struct lx_error *error)
 {
     struct canopen *self = of(base);
-    const dg_ns until = lx_real_now() + VERIFY_SCAN;
+    const dg_ns until = lx_now() + VERIFY_SCAN;
     struct dg_can_frame frame = {.dlc = 8, .data = {0x40, 0x00, 0x10, 0x00}};
     for (uint16_t node = 1; node <= 127; node++) {
         frame.id = (uint16_t)(SDO_REQUEST + node);
         if (node != self->node && verify_frames_send(&self->wire, &frame) != 0) {
             return lx_fail(error, "the wire accepts no more data");
         }
-        verify_stream_sleep(lx_real_now() + DG_MS(2));
+        verify_stream_wait(&self->wire.stream, lx_now() + DG_MS(2));
     }
-    while (lx_real_now() < until) {
+    while (lx_now() < until) {
         const int result = verify_frames_receive(&self->wire, until, &frame);
         if (result < 0 || (result > 0 && (frame.id & 0x7Fu) != self->node)) {
             return lx_refuse(error, "without --alone, verify disturbs no other device",
@@ -616,8 +616,9 @@ static int open_encoder(struct verify_encoder *base, const struct options *optio
     self->alone = options->alone;
     self->irreversible = options->irreversible;
     self->wire.stream.fd = -1;
+    base->stream = &self->wire.stream;
     return verify_eds_node(options->node, &self->node, error) == 0
-               ? verify_frames_open(&self->wire, options->wire->name, options->where, error)
+               ? verify_frames_open(&self->wire, options, error)
                : -1;
 }
 

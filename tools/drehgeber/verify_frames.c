@@ -15,6 +15,7 @@
 #include <unistd.h>
 
 #include "timer.h"
+#include "verify_silkit.h"
 #include "verify_stream.h"
 
 /* How long a socketcand may take for an answer when a bus is opened. */
@@ -228,21 +229,25 @@ static int open_server(struct verify_frames *self, const char *where, struct lx_
                            "%s: no socketcand that opens this bus", where);
 }
 
-int verify_frames_open(struct verify_frames *self, const char *kind, const char *where,
+int verify_frames_open(struct verify_frames *self, const struct options *options,
                        struct lx_error *error)
 {
+    const char *kind = options->wire->name;
     static const struct {
         const char *kind;
         int (*open)(struct verify_frames *self, const char *where, struct lx_error *error);
     } kinds[] = {{"can", open_socket}, {"slcan", open_adapter}, {"socketcand", open_server}};
     *self = (struct verify_frames){.stream = {.fd = -1}};
+    if (verify_silkit_is(options)) {
+        return verify_stream_join(&self->stream, options, error);
+    }
     for (size_t i = 0; i < sizeof kinds / sizeof kinds[0]; i++) {
         if (strcmp(kind, kinds[i].kind) == 0) {
-            return kinds[i].open(self, where, error);
+            return kinds[i].open(self, options->where, error);
         }
     }
-    return lx_refuse(error, "expected --can, --slcan or --socketcand", "verify cannot use --%s",
-                     kind);
+    return lx_refuse(error, "expected --can, --slcan, --socketcand or --silkit",
+                     "verify cannot use --%s", kind);
 }
 
 /* --- frames --- */
@@ -254,6 +259,9 @@ int verify_frames_send(struct verify_frames *self, const struct dg_can_frame *fr
     if (self->form != NULL) {
         const size_t n = self->form->print(frame, line);
         return n == 0 ? 0 : verify_stream_send(&self->stream, line, n);
+    }
+    if (self->stream.silkit != NULL) {
+        return verify_stream_send(&self->stream, frame, sizeof *frame);
     }
     raw.can_id |= frame->rtr ? CAN_RTR_FLAG : 0u;
     memcpy(raw.data, frame->data, sizeof raw.data);
@@ -276,6 +284,10 @@ int verify_frames_receive(struct verify_frames *self, dg_ns until, struct dg_can
         if (lx_real_now() > until) {
             return 0;
         }
+    }
+    if (self->stream.silkit != NULL) {
+        const long came = verify_stream_receive(&self->stream, until, to, sizeof *to);
+        return came > 0 ? 1 : (int)came;
     }
     const long n = verify_stream_receive(&self->stream, until, &raw, sizeof raw);
     if (n != (long)sizeof raw || (raw.can_id & (CAN_EFF_FLAG | CAN_ERR_FLAG)) != 0 ||

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* CAN frames to and from a real encoder: by SocketCAN, by an SLCAN adapter, by a socketcand. */
+/* CAN frames to and from a real encoder: by SocketCAN, by an SLCAN adapter, by a socketcand; in a
+   SIL Kit simulation. */
 #ifndef DREHGEBER_TOOL_VERIFY_FRAMES_H
 #define DREHGEBER_TOOL_VERIFY_FRAMES_H
 
@@ -25,8 +26,8 @@ struct verify_frames {
     size_t seen;
 };
 
-/* Open the wire of this kind, "can", "slcan" or "socketcand", at `where`. 0, or -1 with `error`. */
-int verify_frames_open(struct verify_frames *self, const char *kind, const char *where,
+/* Open options->wire at options->where: "can", "slcan", "socketcand" or "silkit". 0, or -1 with `error`. */
+int verify_frames_open(struct verify_frames *self, const struct options *options,
                        struct lx_error *error);
 
 /* @return 0, or -1: the wire takes nothing any more. A socketcand has no remote frames: they get

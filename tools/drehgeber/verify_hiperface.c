@@ -17,6 +17,7 @@
 #include "drehgeber/devices.h"
 #include "timer.h"
 #include "verify_hiperface.h"
+#include "verify_silkit.h"
 #include "verify_stream.h"
 
 static dg_ns bits(uint64_t n)
@@ -32,10 +33,10 @@ static bool drain_line(struct hiperface *self)
     uint8_t bytes[256];
     size_t thrown = 0;
     long n;
-    while ((n = verify_stream_receive(&self->wire, lx_real_now(), bytes, sizeof bytes)) > 0) {
+    while ((n = verify_stream_receive(&self->wire, lx_now(), bytes, sizeof bytes)) > 0) {
         thrown += (size_t)n;
-        self->quiet = lx_real_now();
-        verify_stream_sleep(self->quiet + bits(PAUSE_BITS));
+        self->quiet = lx_now();
+        verify_stream_wait(&self->wire, self->quiet + bits(PAUSE_BITS));
         if (thrown > NOISE_MAX) {
             return false;
         }
@@ -46,13 +47,13 @@ static bool drain_line(struct hiperface *self)
 static bool send_request(struct hiperface *self, const uint8_t *bytes, size_t n,
                          struct cf_report *report)
 {
-    verify_stream_sleep(self->quiet + bits(PAUSE_BITS + 1u));
+    verify_stream_wait(&self->wire, self->quiet + bits(PAUSE_BITS + 1u));
     self->request.n = n < sizeof self->request.bytes ? n : sizeof self->request.bytes;
     memcpy(self->request.bytes, bytes, self->request.n);
     if (verify_stream_send(&self->wire, bytes, n) != 0) {
         return verify_fail(&self->base, VERIFY_LOST, report, "the wire accepts no more data");
     }
-    self->sent = lx_real_now() + bits(n * CHARACTER_BITS);
+    self->sent = lx_now() + bits(n * CHARACTER_BITS);
     self->quiet = self->sent;
     return true;
 }
@@ -72,7 +73,7 @@ static bool receive_frame(struct hiperface *self, dg_ns until, size_t length, st
         if (n == 0) {
             break;
         }
-        self->quiet = lx_real_now();
+        self->quiet = lx_now();
         to->at = to->n == 0 ? self->quiet : to->at;
         to->n += (size_t)n;
     }
@@ -283,7 +284,7 @@ static bool on_sent(void *ctx, const struct cf_unit *request, struct cf_report *
         return false;
     }
     uint8_t bytes[256];
-    const long n = verify_stream_receive(&self->wire, lx_real_now(), bytes, sizeof bytes);
+    const long n = verify_stream_receive(&self->wire, lx_now(), bytes, sizeof bytes);
     if (n != 0) {
         char text[400];
         const struct cf_unit came = {.bytes = bytes, .n = n > 0 ? (size_t)n : 0};
@@ -348,15 +349,15 @@ static bool on_silent(void *ctx, uint64_t ns, struct cf_report *report)
     static const struct cf_answer nothing = {.timed = false};
     struct frame came;
     const dg_ns wait = ns != 0 ? ns : self->base.journal != NULL ? REPLY_MAX : SILENCE;
-    return receive_frame(self, lx_real_now() + wait, sizeof came.bytes, &came, report) &&
+    return receive_frame(self, lx_now() + wait, sizeof came.bytes, &came, report) &&
            (came.n == 0 || report_answer(self, &nothing, &came, report));
 }
 
 static bool on_waited(void *ctx, uint64_t ns, struct cf_report *report)
 {
-    (void)ctx;
+    struct hiperface *self = ctx;
     (void)report;
-    verify_stream_sleep(lx_real_now() + ns);
+    verify_stream_wait(&self->wire, lx_now() + ns);
     return true;
 }
 
@@ -418,7 +419,7 @@ static bool end(struct verify_encoder *base, struct cf_report *report)
     if (base->outcome != VERIFY_DIFFERS) {
         return true;
     }
-    verify_stream_sleep(lx_real_now() + REPLY_MAX);
+    verify_stream_wait(base->stream, lx_now() + REPLY_MAX);
     if (verify_hiperface_find(of(base), report)) {
         base->outcome = VERIFY_DIFFERS;
         return true;
@@ -503,7 +504,7 @@ static int measure_encoder(struct hiperface *self, const char *where, struct lx_
 static int scan(struct verify_encoder *base, struct lx_error *error)
 {
     struct hiperface *self = of(base);
-    const dg_ns until = lx_real_now() + VERIFY_SCAN;
+    const dg_ns until = lx_now() + VERIFY_SCAN;
     struct cf_report report = {""};
     struct frame came = {.n = 0};
     for (uint8_t address = ADDRESS + 1u; address <= DG_HF_ADDRESS_LAST && came.n == 0; address++) {
@@ -537,8 +538,12 @@ static int open_encoder(struct verify_encoder *base, const struct options *optio
     self->model = *dg_hf_model_of(options->device);
     self->trial.temperature_mdegc = 37000;
     self->moves = MOVES_MAX;
-    self->quiet = lx_real_now();
-    return verify_stream_open(&self->wire, options->where, &uart, error);
+    base->stream = &self->wire;
+    const int result = verify_silkit_is(options)
+                           ? verify_stream_join(&self->wire, options, error)
+                           : verify_stream_open(&self->wire, options->where, &uart, error);
+    self->quiet = lx_now();
+    return result;
 }
 
 static int identify(struct verify_encoder *base, const char *where, struct lx_error *error)

@@ -128,7 +128,7 @@ bool verify_hiperface_put_back(struct verify_encoder *base, struct cf_report *re
     };
     struct hiperface *self = of(base);
     const struct verify_journal *journal = base->journal;
-    verify_stream_sleep(lx_real_now() + (was_sent(journal, 0x53) ? REPLY_MAX : 0));
+    verify_stream_wait(&self->wire, lx_now() + (was_sent(journal, 0x53) ? REPLY_MAX : 0));
     if (!verify_hiperface_find(self, report)) {
         return verify_fail(base, VERIFY_LOST, report, "the address");
     }

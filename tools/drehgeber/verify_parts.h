@@ -37,6 +37,7 @@ enum verify_outcome {
 };
 
 struct verify_protocol;
+struct verify_stream;
 
 /* A real encoder on its wire; the first member of a protocol's own struct. */
 struct verify_encoder {
@@ -45,6 +46,7 @@ struct verify_encoder {
     char serial[48];                /* serial number, likewise */
     enum verify_outcome outcome;    /* of the row that runs, when its steps have failed */
     struct verify_journal *journal; /* for what is changed; NULL: nothing may be */
+    struct verify_stream *stream;   /* whose time is its own; NULL: it is this machine's */
     dg_ns since;                    /* the last step of the row that runs, when that counts */
     bool cuts;                      /* the row that was rehearsed last cuts its supply */
     bool off;                       /* its supply is cut */

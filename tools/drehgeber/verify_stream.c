@@ -16,6 +16,7 @@
 #include "endpoint.h"
 #include "timer.h"
 #include "tty_open.h"
+#include "verify_silkit.h"
 
 /* How long a wire may take what is sent. */
 #define SEND_LIMIT_MS 1000
@@ -76,6 +77,19 @@ int verify_stream_open(struct verify_stream *self, const char *where, const stru
                : lx_fail(error, "%s: the port accepts no data", where);
 }
 
+int verify_stream_join(struct verify_stream *self, const struct options *options,
+                       struct lx_error *error)
+{
+    *self = (struct verify_stream){.fd = -1, .network = true};
+    self->silkit = verify_silkit_open(options, error);
+    return self->silkit != NULL ? 0 : -1;
+}
+
+bool verify_stream_explain(const struct verify_stream *self, struct lx_error *error)
+{
+    return self->silkit != NULL && verify_silkit_explain(self->silkit, error);
+}
+
 static bool wait_for(int fd, short events, int limit_ms)
 {
     struct pollfd ready = {.fd = fd, .events = events};
@@ -111,6 +125,9 @@ int verify_stream_send(struct verify_stream *self, const void *bytes, size_t n)
 {
     const uint8_t *from = bytes;
     char doubled[2 * PIECE_MAX];
+    if (self->silkit != NULL) {
+        return verify_silkit_send(self->silkit, bytes, n);
+    }
     int result = self->telnet ? 0 : send_all(self->fd, bytes, n);
     while (self->telnet && result == 0 && n > 0) {
         size_t length = 0;
@@ -191,6 +208,9 @@ static long receive_some(int fd, dg_ns until, void *to, size_t size)
 
 long verify_stream_receive(struct verify_stream *self, dg_ns until, void *to, size_t size)
 {
+    if (self->silkit != NULL) {
+        return verify_silkit_receive(self->silkit, until, to, size);
+    }
     long n = receive_some(self->fd, until, to, size);
     if (!self->telnet || n <= 0) {
         return n;
@@ -210,6 +230,17 @@ void verify_stream_close(struct verify_stream *self)
         (void)close(self->fd);
     }
     self->fd = -1;
+    verify_silkit_close(self->silkit);
+    self->silkit = NULL;
+}
+
+void verify_stream_wait(struct verify_stream *self, dg_ns until)
+{
+    if (self != NULL && self->silkit != NULL) {
+        verify_silkit_wait(self->silkit, until);
+    } else {
+        verify_stream_sleep(until);
+    }
 }
 
 void verify_stream_sleep(dg_ns until)

@@ -238,7 +238,10 @@ static void put_command(const struct command_row *row)
     if (has_option(row, " shaft ")) {
         put_motion();
     }
-    if (has_option(row, " set ")) {
+    if (row->command == COMMAND_VERIFY) {
+        (void)puts(".SH SETTINGS");
+        put_paragraphs(help_time);
+    } else if (has_option(row, " set ")) {
         (void)puts(".SH SETTINGS");
         for (size_t i = 0; i < lx_stack_count; i++) {
             if (row->stack == NULL || row->stack == lx_stacks[i]->core) {

@@ -39,6 +39,8 @@
 /* Without a step for so long, after somebody has left without a word, time stands still for good.
  */
 #define STANDSTILL_US 5000000u
+/* Real times are nanoseconds since 1970, or none at all, -2^63; no simulation lasts ten years. */
+#define REAL_MIN DG_S(315360000)
 /* Others may be asked to end as well; a simulation that hangs does not hold up the end of a rig. */
 #define END_MS 2000u
 
@@ -250,6 +252,15 @@ static void note_gone(struct lx_silkit *self, const char *name)
     }
 }
 
+/* Who has virtual time is told what has none as if it were sent now. */
+static void note_time(struct lx_silkit *self, const struct lx_silkit_message *message)
+{
+    const bool sent = message->kind == LX_SILKIT_FRAME || message->kind == LX_SILKIT_DATA;
+    if (sent && self->clock == NULL && message->time < REAL_MIN) {
+        self->mixed = true;
+    }
+}
+
 static void sort_out(struct lx_silkit *self, const struct lx_silkit_message *message)
 {
     switch (message->kind) {
@@ -277,6 +288,7 @@ static void sort_out(struct lx_silkit *self, const struct lx_silkit_message *mes
     case LX_SILKIT_REFUSED:
     case LX_SILKIT_LOST:
     case LX_SILKIT_STATE:
+        note_time(self, message);
         if (lx_silkit_list_add(&self->pending, message)) {
             return; /* its bytes are the list's now */
         }
@@ -405,6 +417,11 @@ bool lx_silkit_has_joined(const struct lx_silkit *self)
 bool lx_silkit_is_ready(const struct lx_silkit *self)
 {
     return self->ready;
+}
+
+bool lx_silkit_has_mixed_time(const struct lx_silkit *self)
+{
+    return self->mixed;
 }
 
 void lx_silkit_end_after(struct lx_silkit *self, dg_ns span)

@@ -49,6 +49,11 @@ bool lx_silkit_is_loopback(const struct lx_silkit_where *self);
 
 struct lx_silkit;
 
+/** Topics of a serial line: what they are made of, and the longest message: more than a line of 38400
+ * Bd carries in a second. */
+#define LX_SILKIT_CHARACTERS "application/vnd.drehgeber.characters.v1"
+#define LX_SILKIT_CHARACTERS_MAX 4096u
+
 /** Something that sends and receives: a controller, or a topic. Its owner's, filled by the
  * functions below. */
 struct lx_silkit_port {
@@ -117,6 +122,10 @@ int lx_silkit_start(struct lx_silkit *self, struct lx_error *error);
 
 /** Whether what is sent is heard. */
 bool lx_silkit_is_ready(const struct lx_silkit *self);
+
+/** Whether our time is real, and somebody has sent something who has virtual time. The other way
+ * round nobody can tell. */
+bool lx_silkit_has_mixed_time(const struct lx_silkit *self);
 
 /** Publish. What cannot be is said once. */
 void lx_silkit_publish(struct lx_silkit_port *port, const void *bytes, size_t n);

@@ -47,6 +47,7 @@ struct lx_silkit {
     bool stopped;    /**< the library has said so */
     bool ended;      /**< the loop was told to end */
     bool complained; /**< about what the library refuses */
+    bool mixed;      /**< somebody has another kind of time */
 };
 
 /** Hand over the first message of `list`, at `now`, of which those before `end` come in this step.

@@ -14,15 +14,11 @@
 #include "serial.h"
 #include "silkit.h"
 
-#define MEDIA_TYPE "application/vnd.drehgeber.characters.v1"
-/* More than a line of 38400 Bd carries in a second. */
-#define CHARACTERS_MAX 4096u
-
 struct silkit_serial {
     struct lx_serial serial;
     struct lx_silkit_port request;
     struct lx_silkit_port reply;
-    uint8_t sent[CHARACTERS_MAX]; /* since the last step */
+    uint8_t sent[LX_SILKIT_CHARACTERS_MAX]; /* since the last step */
     size_t count;
 };
 
@@ -86,15 +82,15 @@ static int open_serial_topics(struct silkit_serial *self, struct lx_error *error
     if (lx_silkit_join(setup->silkit, setup->where, &where, error) != 0) {
         return -1;
     }
-    self->request =
-        (struct lx_silkit_port){.length_max = CHARACTERS_MAX, .receive = receive, .ctx = self};
+    self->request = (struct lx_silkit_port){
+        .length_max = LX_SILKIT_CHARACTERS_MAX, .receive = receive, .ctx = self};
     self->reply = (struct lx_silkit_port){.step = flush, .ctx = self};
     lx_silkit_name_topic(&self->request, where.network, "request");
     lx_silkit_name_topic(&self->reply, where.network, "reply");
     (void)snprintf(self->serial.address, sizeof self->serial.address, "%s", where.ready);
-    return lx_silkit_subscribe(setup->silkit, &self->request, MEDIA_TYPE, error) != 0
+    return lx_silkit_subscribe(setup->silkit, &self->request, LX_SILKIT_CHARACTERS, error) != 0
                ? -1
-               : lx_silkit_offer(setup->silkit, &self->reply, MEDIA_TYPE, error);
+               : lx_silkit_offer(setup->silkit, &self->reply, LX_SILKIT_CHARACTERS, error);
 }
 
 /* There is no descriptor that could be read; it stands for a line that is there. */
