@@ -363,9 +363,17 @@ static bool on_waited(void *ctx, uint64_t ns, struct cf_report *report)
     return true;
 }
 
+/* An encoder without supply sends nothing: what has come before, such as a heartbeat, is not from after its
+   start. */
 static bool on_powered(void *ctx, bool on, struct cf_report *report)
 {
-    verify_canopen_forget(ctx);
+    struct canopen *self = ctx;
+    struct dg_can_frame came;
+    if (on && verify_canopen_receive_id(self, NOBODY, lx_now() + SETTLE, &came, report) < 0) {
+        return false;
+    }
+    self->passed_count = 0;
+    verify_canopen_forget(self);
     return verify_powered(ctx, on, report);
 }
 
