@@ -40,6 +40,14 @@ OBJECTS = [(0x1005, [0]), (0x100C, [0]), (0x100D, [0]), (0x1014, [0]), (0x1015, 
            (0x2120, [0]), (0x2140, [0]), (0x6000, [0]), (0x6001, [0]), (0x6002, [0]), (0x6003, [0]), (0x6004, [0]), (0x6031, [0]),
            (0x6200, [0]), (0x6401, [1]), (0x6402, [1]), (0x6509, [0])]
 
+# Rows give two services one CAN-ID, as a master may, and PDOs more frames than a bus carries; the rig tells of it.
+TOLD_OF_ROWS = ("two services of this node", "bus load")
+
+
+def strange_lines(lines) -> list:
+    """What a rig has said that rows do not explain."""
+    return [line for line in lines if not any(told in line for told in TOLD_OF_ROWS)]
+
 
 class Crowd:
     """Encoders of a file of tests, each in a folder of its own, and threads that ask them."""
