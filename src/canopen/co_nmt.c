@@ -199,13 +199,17 @@ dg_ns dg_co_nmt_step(struct dg_co_node *self)
     return next;
 }
 
+/* What is written to 100Ch, 100Dh and 1017h ends life guarding until the master's next request, and
+ * what it has found (C13). */
 enum dg_co_abort dg_co_hook_heartbeat(struct dg_co_node *self, const struct dg_co_object *object,
                                       enum dg_co_op op, uint32_t *value)
 {
-    (void)object;
     (void)value;
     if (op == DG_CO_WRITTEN) {
-        move_deadline(self, &self->guard_at, DG_NEVER); /* heartbeat comes before guarding */
+        move_deadline(self, &self->guard_at, DG_NEVER);
+        dg_co_clear(self, DG_CO_CAUSE_LIFE);
+    }
+    if (op == DG_CO_WRITTEN && object->row->slot == CO_HEARTBEAT_MS) {
         heartbeat(self);
     }
     return DG_CO_OK;

@@ -17,7 +17,7 @@ void dg_co_guard_rx(struct dg_co_node *self);
 void dg_co_heartbeat_rx(struct dg_co_node *self, const struct dg_can_frame *frame);
 dg_ns dg_co_nmt_step(struct dg_co_node *self);
 
-/** Hooks of 1016h and 1017h. */
+/** Hooks of 1016h; of 1017h, 100Ch and 100Dh. */
 dg_co_hook dg_co_hook_consumer, dg_co_hook_heartbeat;
 
 #endif
