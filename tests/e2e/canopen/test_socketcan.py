@@ -230,9 +230,12 @@ def test_leds_when_the_interface_is_down(alone):
     set_link("up")
     wait_for_leds(control, "bus:blink/err:off")
     assert_one_line(encoder, OTHER_WIRE, "back")
+    with can.Bus(interface="socketcan", channel=OTHER_WIRE,
+                 can_filters=[{"can_id": 0x5BF, "can_mask": 0x7FF}]) as bus:
+        assert ask(bus, PATIENCE_S)  # it hears what it heard before
 
 
-ERR_CRTL, ERR_ACK = 0x04, 0x20  # linux/can/error.h
+ERR_CRTL, ERR_ACK, ERR_BUSOFF, ERR_RESTARTED = 0x04, 0x20, 0x40, 0x100  # linux/can/error.h
 TX_WARNING, TX_PASSIVE, ACTIVE = 0x08, 0x20, 0x40
 
 
@@ -255,6 +258,17 @@ def test_leds_when_nobody_acknowledges(alone):
     with can.Bus(interface="socketcan", channel=OTHER_WIRE) as bus:
         send(bus, 0x000, bytes([0x02, 0x00]))
     wait_for_leds(control, "bus:slow/err:off")
+
+
+def test_leds_of_the_worst_that_a_frame_reports(alone):
+    """Off the bus is off the bus, whatever the counters of the same report say."""
+    _, control = alone
+    wait_for_leds(control, "bus:blink/err:off")
+    report(ERR_BUSOFF | ERR_CRTL, ACTIVE)
+    wait_for_leds(control, "bus:blink/err:on")
+    report(ERR_CRTL, TX_PASSIVE)
+    report(ERR_RESTARTED, 0)
+    wait_for_leds(control, "bus:blink/err:off")
 
 
 # --- bus load ---
