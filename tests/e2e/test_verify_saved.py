@@ -10,7 +10,7 @@ import tty
 import pytest
 
 from rig import run
-from verified import LIMIT_S, Between, Crowd, command, results, state, strange_lines, those, verify
+from verified import LIMIT_S, Between, Crowd, Killer, command, results, state, strange_lines, those, verify
 
 MODEL = "f3668"
 SAVE, LOAD = b"73617665", b"6C6F6164"
@@ -197,22 +197,9 @@ def a_supply_that_nobody_cuts_is_needed(crowd, name):
 
 # --- killed ---------------------------------------------------------------------------------------
 
-class Killer:
-    """Kill the command at its download number `at` of those that `pattern` is in, before or after the encoder gets it."""
-
-    def __init__(self, at: int, before: bool, pattern: bytes = b""):
-        self.left, self.before, self.pattern = at, before, pattern
-        self.process, self.done = None, False
-
-    def hear(self, request: bytes) -> bool:
-        for line in request.split(b"\r"):
-            if not self.done and line.startswith(b"t63F82") and self.pattern in line:
-                self.left -= 1
-                if self.left == 0:
-                    self.process.kill()
-                    self.done = True
-                    return not self.before
-        return not self.done
+def downloads(pattern: bytes):
+    """Counts the downloads that this is in."""
+    return lambda request: sum(line.startswith(b"t63F82") and pattern in line for line in request.split(b"\r"))
 
 
 def restore(folder):
@@ -228,7 +215,7 @@ def restore(folder):
      (25, True, b""), (60, False, b""), (90, True, b""), (1, True, SAVE), (1, False, SAVE))
 def a_killed_run_is_restored(crowd, name, at, before, pattern):
     folder = own(crowd, name)
-    was, killer = state(MODEL, folder), Killer(at, before, pattern)
+    was, killer = state(MODEL, folder), Killer(at, before, downloads(pattern))
     with Between(folder / "link", ends=b"\r\a", hear=killer.hear) as wire:
         killer.process = subprocess.Popen(
             command(MODEL, wire.path, "--write", "--power", folder / "relay", "--journal", folder / "journal", "M10-1"),

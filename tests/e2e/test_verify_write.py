@@ -2,6 +2,7 @@
 """`drehgeber verify --write`: what was changed when the command was killed is put back by --restore; what cannot be put back is
 not done; the supply is cut by a program or by the user."""
 import fcntl
+import functools
 import os
 import pty
 import random
@@ -11,7 +12,7 @@ import subprocess
 import pytest
 
 from rig import run, run_refused
-from verified import LIMIT_S, MODELS, WIRES, Between, Crowd, command, cut, results, state, strange_lines, verify
+from verified import LIMIT_S, MODELS, WIRES, Between, Crowd, Killer, command, cut, results, state, strange_lines, verify
 
 SEED = 20261123
 HIPERFACE_WRITES = {0x43, 0x47, 0x49, 0x4D, 0x4F, 0x55, 0x57}
@@ -32,30 +33,12 @@ def is_write(model: str, request: bytes) -> bool:
 
 # --- killed ---------------------------------------------------------------------------------------
 
-class Killer:
-    """Kill the command at its write number `at`, before or after the encoder gets it."""
-
-    def __init__(self, model: str, at: int, before: bool):
-        self.model, self.left, self.before = model, at, before
-        self.process = None
-        self.done = False
-
-    def hear(self, request: bytes) -> bool:
-        if is_write(self.model, request):
-            self.left -= 1
-            if self.left == 0:
-                self.process.kill()
-                self.done = True
-                return not self.before
-        return not self.done
-
-
 @pytest.mark.parametrize("model", MODELS)
 def test_a_killed_run_is_restored(crowd, model):
     def ask(folder, words, at, before):
         was = state(model, folder)
         options = ["--write", "--journal", folder / "journal"]
-        killer = Killer(model, at, before)
+        killer = Killer(at, before, functools.partial(is_write, model))
         with Between(folder / "link", ends=WIRES[model][3], hear=killer.hear) as wire:
             killer.process = subprocess.Popen(command(model, wire.path, *options, *words), stdin=subprocess.DEVNULL,
                                               stdout=subprocess.PIPE, stderr=subprocess.PIPE)

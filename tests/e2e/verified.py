@@ -247,3 +247,22 @@ class Babbling(Between):
         if self.speaker.is_alive():
             self.speaker.join()
         super().__exit__()
+
+
+class Killer:
+    """Kill a command at request number `at` of those that `counts` counts, before or after the encoder gets it: what a
+    Between asks whether it passes a request on."""
+
+    def __init__(self, at: int, before: bool, counts):
+        self.left, self.before, self.counts = at, before, counts
+        self.process, self.done = None, False
+
+    def hear(self, request: bytes) -> bool:
+        if self.done:
+            return False
+        self.left -= self.counts(request)
+        if self.left > 0:
+            return True
+        self.process.kill()
+        self.done = True
+        return not self.before
