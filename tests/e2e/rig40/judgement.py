@@ -5,13 +5,21 @@ A referee with nothing but a clock says when the machine stood still. A short sp
 a stall is kept time, and nothing may be missed in it, however little of it there is. What is missed in
 a span with a stall is the machine's, as far as a stall goes."""
 import bisect
+from itertools import accumulate
 from typing import NamedTuple
+
+AFTERMATH_S = 0.05
 
 
 class Stall(NamedTuple):
     """The machine stood still."""
     begin: float
-    end: float  # of what it held up, too
+    end: float
+
+    @property
+    def over(self) -> float:
+        """When what it held up is done: a rig that takes two thirds of a processor needs twice as long as the stall."""
+        return self.end + 2 * (self.end - self.begin) + AFTERMATH_S
 
 
 class Span(NamedTuple):
@@ -29,7 +37,8 @@ class Judgement(NamedTuple):
 
 def judge(spans: list, stalls: list, most: int) -> Judgement:
     """Both in the order of time; `most` is what a stall can make a program miss."""
-    begins, ends = [stall.begin for stall in stalls], [stall.end for stall in stalls]
+    begins = [stall.begin for stall in stalls]
+    ends = list(accumulate((stall.over for stall in stalls), max))
     kept_s, by_itself, beyond = 0.0, [], []
     for span in spans:
         count = bisect.bisect_left(begins, span.end) - bisect.bisect_right(ends, span.begin)

@@ -10,8 +10,9 @@ def spans(*missed: int) -> list:
     return [Span(i / 10, (i + 1) / 10, count) for i, count in enumerate(missed)]
 
 
-def stalls(*begins: float) -> list:
-    return [Stall(begin, begin + 0.05) for begin in begins]
+def stalls(*begins) -> list:
+    """At these moments, for a moment; or from one to another."""
+    return [Stall(*begin) if isinstance(begin, tuple) else Stall(begin, begin) for begin in begins]
 
 
 # What was missed in the spans, when the machine stood still; spans of kept time, what the judge says.
@@ -27,6 +28,9 @@ ROWS = [
     ([1, 0, 0, 0], [0.12, 0.22, 0.32], 1, "1 deadlines missed while the machine kept time: 1 at 0.00"),
     ([5, 5, 5, 5], [0.02, 0.12, 0.22, 0.32], 0, ""),
     ([5, 5, 6, 5], [0.02, 0.12, 0.22, 0.32], 0, "6 deadlines missed more than the machine's stalls explain: 6 at 0.20"),
+    ([0, 0, 5, 0], [(0.11, 0.15)], 2, ""),  # what is held up by a long one takes long
+    ([0, 0, 5, 1], [(0.11, 0.15)], 2, "1 deadlines missed while the machine kept time: 1 at 0.30"),
+    ([0, 0, 0, 5], [(0.01, 0.11), 0.12], 0, ""),  # a short one does not shorten it
     ([1, 0, 0, 0], [-0.06, 0.4], 4, "1 deadlines missed while the machine kept time: 1 at 0.00"),
 ]
 
