@@ -79,15 +79,16 @@ def abort_code(rig, entry, data: bytes) -> int:
 
 
 def announce(rig, entry, size: int) -> int:
-    """Abort code of a download of so many bytes, expedited as long as they fit. As raw frames: the
-    client sends segments after an abort."""
+    """Abort code of a download of so many bytes, expedited as long as they fit. One request of the client's: its
+    download() sends segments after an abort."""
     command = 0x23 | (4 - size) << 2 if size <= 4 else 0x21
     request = bytes([command]) + entry.index.to_bytes(2, "little") + bytes([entry.sub])
     rig.tap.forget()
-    rig.send(0x600 + rig.node_id, request + (size if size > 4 else 0).to_bytes(4, "little"))
+    with pytest.raises(SdoAbortedError) as caught:
+        rig.sdo.request_response(request + (size if size > 4 else 0).to_bytes(4, "little"))
     answer = rig.tap.data(0x580 + rig.node_id)
-    assert answer[0] == 0x80 and answer[1:4] == request[1:], (entry, answer.hex())
-    return int.from_bytes(answer[4:], "little")
+    assert answer[1:4] == request[1:], (entry, answer.hex())
+    return caught.value.code
 
 
 def readable(rig, entry) -> bool:
