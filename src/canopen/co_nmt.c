@@ -205,11 +205,14 @@ enum dg_co_abort dg_co_hook_heartbeat(struct dg_co_node *self, const struct dg_c
                                       enum dg_co_op op, uint32_t *value)
 {
     (void)value;
-    if (op == DG_CO_WRITTEN) {
-        move_deadline(self, &self->guard_at, DG_NEVER);
+    if (op != DG_CO_WRITTEN) {
+        return DG_CO_OK;
+    }
+    move_deadline(self, &self->guard_at, DG_NEVER);
+    if ((self->active_causes >> DG_CO_CAUSE_LIFE & 1u) != 0) { /* seldom: saves the call */
         dg_co_clear(self, DG_CO_CAUSE_LIFE);
     }
-    if (op == DG_CO_WRITTEN && object->row->slot == CO_HEARTBEAT_MS) {
+    if (object->slot == CO_HEARTBEAT_MS) {
         heartbeat(self);
     }
     return DG_CO_OK;
