@@ -14,6 +14,7 @@ from conftest import PATIENCE_S, Chip
 from conftest import SLO as DATA
 
 LOOK_S = 0.0001  # between looks at lines that rest; the guest has one processor for all three
+ATTEMPTS = 5
 MONOFLOP_US = 60000  # a busy machine holds up its guest for 20 ms and more
 CLAUSE = "R-2"  # a word of 13 bits comes again after 14 clocks
 
@@ -65,10 +66,19 @@ def encoder(chip, library):
     assert [line for line in one.clean_up() if "too fast" not in line and "were lost" not in line] == []
 
 
+def ask(master: Chip) -> subprocess.CompletedProcess:
+    """Again, if the guest was held up for so long that no clock was slow enough."""
+    for _ in range(ATTEMPTS):
+        ended = subprocess.run([rig.PROGRAM, "verify", "ssi-13", f"--gpio={master.name}:{CLOCK},{DATA}", CLAUSE],
+                               stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=PATIENCE_S)
+        if "no word that ends with a 0" not in ended.stderr:
+            break
+    return ended
+
+
 def test_a_word_that_comes_again(chip, other, encoder):
     with Cable(other, chip):
-        ended = subprocess.run([rig.PROGRAM, "verify", "ssi-13", f"--gpio={other.name}:{CLOCK},{DATA}", CLAUSE],
-                               stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=PATIENCE_S)
+        ended = ask(other)
     assert ended.returncode == 0, (ended.stdout, ended.stderr)
     assert f"agrees   {CLAUSE}" in ended.stdout
     assert encoder.end() == 0
