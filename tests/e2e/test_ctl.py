@@ -47,6 +47,13 @@ class Server:
             while more := client.recv(4096):  # what is closed with something unread is reset
                 self.heard += more
 
+    def await_heard(self, text: bytes):
+        """Until the last client has said exactly this: who has ended may not have been heard yet."""
+        deadline = time.monotonic() + PATIENCE_S
+        while self.heard != text:
+            assert time.monotonic() < deadline, self.heard
+            time.sleep(0.01)
+
     def __enter__(self):
         return self
 
@@ -176,7 +183,7 @@ def test_the_one_that_runs_is_found(tmp_path):
         gone.bind(f"{folder}/gone.sock")
     with Server(folder / "x.socket", b"wrong\n"), Server(folder / "s.sock", b'yes\n0,"No error"\n') as server:
         assert ctl_of_folder(tmp_path, "*IDN?", "SHAF:POS?") == (0, "yes\n", "")
-        assert server.heard == b"*IDN?\nSHAF:POS?\nSYSTem:ERRor:ALL?\n"
+        server.await_heard(b"*IDN?\nSHAF:POS?\nSYSTem:ERRor:ALL?\n")
 
 
 def test_several_that_run_are_named(tmp_path):
@@ -198,10 +205,7 @@ def test_commands_of_stdin(serve, tmp_path):
     (tmp_path / "commands").write_text("*IDN?\nSHAF:POS?")
     with open(tmp_path / "commands") as commands:
         assert ctl(server, stdin=commands)[:3] == (0, b"one\ntwo\n", b"")
-    deadline = time.monotonic() + PATIENCE_S
-    while server.heard != b"*IDN?\nSHAF:POS?\nSYSTem:ERRor:ALL?\n":
-        assert time.monotonic() < deadline, server.heard
-        time.sleep(0.01)
+    server.await_heard(b"*IDN?\nSHAF:POS?\nSYSTem:ERRor:ALL?\n")
     assert ctl(server)[:3] == (2, b"one\ntwo\n",
                                b"drehgeber: no command, and none on stdin; 'drehgeber ctl SYST:HELP?' lists them\n")
 
