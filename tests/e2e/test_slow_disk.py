@@ -23,6 +23,7 @@ ATTEMPTS = 10  # a machine that stands still for a moment proves nothing
 SLOW_SYNC = """
 #define _GNU_SOURCE
 #include <errno.h>
+#include <fcntl.h>
 #include <stdlib.h>
 #include <sys/syscall.h>
 #include <time.h>
@@ -31,6 +32,7 @@ int fdatasync(int fd)
 {
     const struct timespec slow = {.tv_nsec = 400000000};
     const char *fails = getenv("SYNC_FAILS");
+    (void)close(open(getenv("SYNC_BEGUN"), O_CREAT | O_WRONLY, 0600));
     do {
         (void)nanosleep(&slow, NULL);
     } while (access(getenv("SYNC_STICKS"), F_OK) == 0);
@@ -65,7 +67,7 @@ def disk(tmp_path):
     (tmp_path / "slow.c").write_text(SLOW_SYNC)
     subprocess.run(["cc", "-shared", "-fPIC", "-o", tmp_path / "slow.so", tmp_path / "slow.c"], check=True)
     return os.environ | {"LD_PRELOAD": str(tmp_path / "slow.so"), "SYNC_FAILS": str(tmp_path / "fails"),
-                         "SYNC_STICKS": str(tmp_path / "sticks"),
+                         "SYNC_STICKS": str(tmp_path / "sticks"), "SYNC_BEGUN": str(tmp_path / "begun"),
                          "ASAN_OPTIONS": "verify_asan_link_order=0"}, tmp_path / "fails"
 
 
@@ -219,14 +221,24 @@ def try_to_write(session, value):
         session.write(value)
 
 
+def begin_to_write(session, value, folder) -> threading.Thread:
+    """Until the disk works for it. All that was acknowledged before is on the disk: it works for nothing else."""
+    (folder / "begun").unlink()
+    writer = threading.Thread(target=try_to_write, args=(session, value))
+    writer.start()
+    deadline = time.monotonic() + PATIENCE_S
+    while not (folder / "begun").exists():
+        assert time.monotonic() < deadline
+        time.sleep(0.005)
+    return writer
+
+
 @pytest.mark.parametrize("kind", KINDS)
 def test_an_orderly_end_waits_for_the_disk(start, nvm, tmp_path, disk, kind):
     encoder = start_one(start, kind, tmp_path, nvm, 0, env=disk[0])
     session = kind(encoder, answer_s=ANSWER_S)
     session.write(1)
-    writer = threading.Thread(target=try_to_write, args=(session, 2))
-    writer.start()
-    time.sleep(SLOW_S / 2)
+    writer = begin_to_write(session, 2, tmp_path)
     assert encoder.end() == 0
     writer.join(PATIENCE_S)
     session.close()
@@ -241,9 +253,7 @@ def test_an_end_that_waits_for_a_stuck_disk_says_so(start, nvm, tmp_path, disk):
     session = kind(encoder, answer_s=ANSWER_S)
     session.write(1)
     (tmp_path / "sticks").touch()
-    writer = threading.Thread(target=try_to_write, args=(session, 2))
-    writer.start()
-    time.sleep(SLOW_S / 2)
+    writer = begin_to_write(session, 2, tmp_path)
     encoder.process.terminate()
     assert_one_line(encoder, str(nvm), "the disk is slow; waiting until")
     assert encoder.process.poll() is None
