@@ -156,6 +156,14 @@ def assert_screen(top, name, looks=False):
     assert seen == path.read_text()
 
 
+def assert_done(rig, wanted):
+    """The rig was told this and nothing else, at once or soon."""
+    deadline = time.monotonic() + PATIENCE_S
+    while len(rig.done) < len(wanted) and time.monotonic() < deadline:
+        time.sleep(0.05)
+    assert rig.done == wanted
+
+
 def resize(top, width, height):
     top.tmux("resize-window", "-x", str(width), "-y", str(height))
 
@@ -193,7 +201,7 @@ def test_popups(rig, top):
         top.keys("PPage", "Enter", "j", "k", "k", "Enter", "Home", "NPage", "Up", "Enter", "Escape")
         top.wait_gone("enter sets or clears")
     told = [f'INST:SEL "co";:FAUL:{what}' for what in ("SET fault_06", "SET fault_05", "SET fault_09")]
-    assert rig.done == 3 * told
+    assert_done(rig, 3 * told)
 
 
 def test_the_selection_goes_and_the_table_follows(top):
@@ -210,10 +218,7 @@ def test_what_the_keys_say(rig, top):
     wanted = [f'INST:SEL "hf";:{what}' for what in (
         "SHAF:POS 811.000999 DEG", "SHAF:POS 821.000999 DEG", "SHAF:POS 820.000999 DEG", "SHAF:POS 810.000999 DEG",
         "SHAF:VEL 10.000 RPM", "SHAF:VEL 0.000 RPM", "SHAF:STOP", "POW OFF", "FAUL:CLE")] + ['INST:SEL "ib";:POW ON']
-    deadline = time.monotonic() + PATIENCE_S
-    while len(rig.done) < len(wanted) and time.monotonic() < deadline:
-        time.sleep(0.05)
-    assert rig.done == wanted
+    assert_done(rig, wanted)
 
 
 def drawn_meanwhile(rig, top, act, wanted):
