@@ -6,7 +6,7 @@ import time
 import pytest
 
 from hiperface_master import Master
-from rig import REPOSITORY, free_port, run
+from rig import REPOSITORY, run
 
 GOLDEN = REPOSITORY / "tests/golden"
 # Encoders whose models are files: la26.ini and so on.
@@ -19,10 +19,10 @@ IMAGES = {
     "f3658": ["--slcan"],
     "f3668": ["--slcan"],
     "f3668-16": ["--slcan", "--set", "mt_bits=16"],
-    "ocd-ib-k3": ["--modbus", f"127.0.0.1:{free_port()}"],
+    "ocd-ib-k3": ["--modbus", "127.0.0.1:0"],
     "la26": ["--sim"],
     "drive": ["--pty"],
-    "k3": ["--modbus", f"127.0.0.1:{free_port()}"],
+    "k3": ["--modbus", "127.0.0.1:0"],
     "acme": ["--slcan", "--node", "5"],
 }
 
