@@ -77,11 +77,11 @@ class Plc:
         assert not answer.isError(), answer
         return join(answer.registers)
 
-    def becomes(self, word: int, at: int = 0):
-        """IN goes straight from what it is to `word`."""
-        first = self.position(at)
+    def becomes(self, word: int, at: int = 0, first: int | None = None):
+        """IN goes straight from `first`, or from what it is, to `word`."""
         deadline = time.monotonic() + PATIENCE_S
-        got = first
+        got = self.position(at)
+        first = got if first is None else first
         while got != word:
             assert got == first, f"{got:08X} between {first:08X} and {word:08X}"
             assert time.monotonic() < deadline, f"{got:08X} instead of {word:08X}"
@@ -171,21 +171,22 @@ def ask_raw(port: int, pdu: bytes) -> bytes:
 # --- the examples of the manual -----------------------------------------------------------------
 
 def test_example_of_5_3(coupler, plc):
-    # A cycle long enough to see every row, and a shaft that stands at 30.5 turns.
+    # A cycle long enough to see what is before an answer, and a shaft that stands at 30.5 turns. Rows of one OUT that
+    # repeat each other are one: on a busy machine the answer may be there before the second of them is looked for.
     client = plc(coupler("--set", "cycle=20000", "--shaft", "10980DEG"))
     in_operation(client)
     unscaled, scaled = 30 * STEPS_PER_TURN + STEPS_PER_TURN // 2, 30 * 255 + 127
     position = unscaled
-    last = None
+    last = before = None
     for out, expected in EXAMPLE:
         position = scaled if out == 0x80000000 else position
         word = position if expected == POSITION else expected
         if out != last:
             got = client.exchange(out)  # no reaction yet
             assert got == word, f"{out:08X}: {got:08X}"
-        else:
-            client.becomes(word)
-        last = out
+        elif word != before:
+            client.becomes(word, first=before)
+        last, before = out, word
 
     # The preset is called up.
     assert client.exchange(0x00000000) == scaled
