@@ -532,13 +532,14 @@ def test_watchdog_and_fallback(coupler, plc, fallback, image):
     client = plc(coupler("--shaft", "90DEG"))
     in_operation(client)
     client.write(FALLBACK, [fallback])
-    client.write(WATCHDOG_MS, [200])
-    for _ in range(10):  # written often enough
+    client.write(WATCHDOG_MS, [1000])  # longer than a busy machine keeps this process waiting
+    end = time.monotonic() + 1.5
+    while time.monotonic() < end:  # written often enough
         client.write(OUTPUT, split(0x0A000123))
         time.sleep(0.05)
     assert join(client.read(OUTPUT, 2)) == 0x0A000123
     assert client.position() == 0xCA000123
-    time.sleep(0.6)
+    time.sleep(1.3)  # each request feeds it: nothing is asked
     assert join(client.read(OUTPUT, 2)) == image
     assert client.position() == 0xCA000123  # the encoder keeps its state
 
@@ -568,11 +569,11 @@ def test_watchdog_zero_ends_the_fraba_preset(coupler, plc):
     client = plc(coupler("--shaft", "60RPM"))
     in_operation(client)
     client.write(FALLBACK, [ZERO])
-    client.write(WATCHDOG_MS, [300])
+    client.write(WATCHDOG_MS, [1000])  # longer than a busy machine keeps this process waiting
     client.write(OUTPUT, split(0x60000000))
     time.sleep(0.1)
     assert {client.position() for _ in range(20)} == {0}
-    time.sleep(0.6)
+    time.sleep(1.3)
     assert client.position() > 0  # OUT is 0 again, the position moves on
 
 
