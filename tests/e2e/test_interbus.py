@@ -24,6 +24,7 @@ RUN, BUS_ERROR, MODULE_ERROR = 0x0001, 0x0002, 0x0004
 ILLEGAL_FUNCTION, ILLEGAL_ADDRESS, ILLEGAL_VALUE = 1, 2, 3
 STEPS_PER_TURN = 4096
 POSITION = "position"
+STORED = slice(0x2AA, 0x4F8)  # of a K3's image: all regions but the time, and no journal of the store
 
 # Chapter 5.3, all rows: OUT of the master, IN of the encoder.
 EXAMPLE = [
@@ -705,9 +706,13 @@ def test_what_a_client_leaves_behind_is_done(coupler, plc, nvm):
     encoder = coupler("--nvm", nvm)
     client = plc(encoder)
     in_operation(client)
+    before = nvm.read_bytes()[STORED]
     client.write(OUTPUT, split(0x0A000321))
     client.client.close()
-    time.sleep(0.2)
+    deadline = time.monotonic() + PATIENCE_S
+    while nvm.read_bytes()[STORED] == before:
+        assert time.monotonic() < deadline
+        time.sleep(0.01)
     encoder.end(signal.SIGKILL)
     client = plc(coupler("--nvm", nvm))
     in_operation(client)
