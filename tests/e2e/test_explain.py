@@ -149,7 +149,8 @@ def talk_on_bus(master):
         master.wait(0x280 + NODE)
     master.wait(0x700 + NODE)
     master.send(0x000, 0x81, NODE)
-    master.wait(0x700 + NODE)
+    while master.wait(0x700 + NODE) != b"\0":  # boot-up: a heartbeat from before may come first
+        pass
     master.upload(0x1000)
 
 
