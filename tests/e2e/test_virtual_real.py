@@ -196,7 +196,7 @@ def talk_on_a_bus(master):
     send("t60184001100000000000", 8)
     send("t60284003650000000000", 8)
     send("t60284001200000000000", 8)
-    master.say(b"t60182B171000C8000000\r")  # a heartbeat each 200 ms
+    master.say(b"t60182B17100058020000\r")  # a heartbeat each 600 ms: a busy machine ends it before a fourth one
     master.hear(ACKNOWLEDGED + sizes(1, 8) + 3 * sizes(1))
     send("t60182B17100000000000", 8)
     master.order("INST:SEL a", "FAUL:SET wire_delay,COUN,1")
