@@ -39,16 +39,26 @@ def on_slcan() -> bool:
 
 
 class Tap(can.Listener):
-    """Every frame on the bus, in order."""
+    """Every frame on the bus, in order. Where others of the same notifier get it later, wait() gives a frame that
+    they have, too."""
 
     def __init__(self):
         self.frames = deque()
+        self.under_way = None  # the frame that others do not have yet
+        self.others = False
         self.passed = deque(maxlen=12)  # the last ones that nobody waited for
         self.arrived = threading.Condition()
 
     def on_message_received(self, msg):
         with self.arrived:
             self.frames.append(msg)
+            self.under_way = msg if self.others else None
+            self.arrived.notify_all()
+
+    def behind_others(self, _):
+        """A listener for the end of the notifier's list."""
+        with self.arrived:
+            self.under_way = None
             self.arrived.notify_all()
 
     def forget(self):
@@ -56,7 +66,7 @@ class Tap(can.Listener):
             self.frames.clear()
 
     def _take(self, can_id):
-        while self.frames:
+        while self.frames and self.frames[0] is not self.under_way:
             frame = self.frames.popleft()
             if frame.arbitration_id == can_id and not frame.is_remote_frame:
                 return frame
@@ -149,8 +159,10 @@ class Rig:
         self.disconnect()
         self.network = canopen.Network(open_bus(self.link, bit_rate))
         self.network.NOTIFIER_CYCLE = 0.05  # disconnecting waits for it
-        # Before canopen's own: what that has, the tap has already, and can forget.
-        self.network.listeners.insert(0, self.tap)
+        # Before canopen's own: what that has, the tap has already, and can forget. And behind it: what was waited for
+        # at the tap, canopen knows.
+        self.tap.others, self.tap.under_way = True, None
+        self.network.listeners = [self.tap, *self.network.listeners, self.tap.behind_others]
         self.network.connect()
         self.network.lss.RESPONSE_TIMEOUT = 2.0
 
