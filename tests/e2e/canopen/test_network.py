@@ -89,7 +89,7 @@ def test_heartbeat_producer(rig):
 
 
 def test_heartbeat_consumer(rig):
-    rig.write(0x1016, 1, 100 | 7 << 16, 4)
+    rig.write(0x1016, 1, 1000 | 7 << 16, 4)  # longer than a busy machine stands still between two of them
     rig.start()
     for _ in range(4):
         rig.send(0x707, b"\x05")
