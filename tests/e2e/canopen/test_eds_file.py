@@ -37,6 +37,13 @@ def vendor(tmp_path):
     return path
 
 
+def add_node(network, number: int, path) -> canopen.RemoteNode:
+    """With more patience than canopen's 0.3 s: a busy machine is late, and a disk takes its time to save."""
+    node = network.add_node(number, str(path))
+    node.sdo.RESPONSE_TIMEOUT = PATIENCE_S
+    return node
+
+
 @contextmanager
 def encoder(folder, path, *options):
     """Node 5 of the file, as python-canopen sees it."""
@@ -48,7 +55,7 @@ def encoder(folder, path, *options):
         try:
             assert process.stdout.readline().startswith("ready acme-3600")
             network.connect(interface="slcan" if on_slcan() else "socketcan", channel=str(link), bitrate=250000)
-            yield network.add_node(5, str(path))
+            yield add_node(network, 5, path)
         finally:
             network.disconnect()
             process.terminate()
@@ -124,7 +131,7 @@ def test_encoders_of_a_rig_file_have_the_objects_of_theirs(tmp_path, vendor):
         try:
             network.connect(interface="slcan", channel=f"{tmp_path}/can", bitrate=250000)
             for node, steps in ((5, 3600), (9, 1000)):
-                one = network.add_node(node, str(vendor))
+                one = add_node(network, node, vendor)
                 assert (one.sdo[0x6501].raw, one.sdo[0x6004].raw) == (steps, 250)
         finally:
             network.disconnect()
@@ -276,7 +283,7 @@ def test_a_file_comes_by_stdin(tmp_path):
             process.stdin.close()
             assert process.stdout.readline().startswith("ready f3668 slcan:")
             network.connect(interface="slcan", channel=str(link), bitrate=250000)
-            node = network.add_node(63, str(tmp_path / "f3668.eds"))
+            node = add_node(network, 63, tmp_path / "f3668.eds")
             assert (node.sdo[0x6004].raw, node.sdo[0x6501].raw) == (16384, 65536)
         finally:
             network.disconnect()
