@@ -204,8 +204,6 @@ def can_wire(folder: Path) -> str:
 class CanMaster:
     """Raw frames and expedited SDO with one node."""
 
-    TIMEOUT_S = 2.0
-
     def __init__(self, address: str, bit_rate: int = 250_000):
         wire, _, node_id = address.rpartition("/")
         self.node_id = int(node_id)
@@ -223,11 +221,16 @@ class CanMaster:
     def nmt(self, command: int):
         self.send(0x000, bytes([command, self.node_id]))
 
-    def transact(self, request: bytes, timeout_s: float = None) -> bytes:
-        """An SDO request; its answer."""
+    def transact(self, request: bytes, timeout_s: float = PATIENCE_S) -> bytes:
+        """An SDO request; its answer, which names the same object. One that names another comes late: answers() has
+        not waited for it."""
         self.tap.forget()
         self.send(0x600 + self.node_id, request)
-        return self.tap.data(0x580 + self.node_id, timeout_s or self.TIMEOUT_S)
+        deadline = time.monotonic() + timeout_s
+        while True:
+            answer = self.tap.data(0x580 + self.node_id, max(0.0, deadline - time.monotonic()))
+            if answer[1:4] == request[1:4]:
+                return answer
 
     def read(self, index: int, sub: int = 0) -> int:
         answer = self.transact(struct.pack("<BHB4x", 0x40, index, sub))
