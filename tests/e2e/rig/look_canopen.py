@@ -88,23 +88,35 @@ def can_watchdog(target):
     assert can_fine(master)
 
 
-def states(master: CanMaster, for_s: float = 0.2) -> list:
-    """What the heartbeats of a while say."""
-    master.tap.forget()
-    time.sleep(for_s)
+def heard(master: CanMaster) -> list:
+    """What the heartbeats since the last time say."""
     return [data[0] for data in master.tap.so_far(0x700 + NODE_ID)]
 
 
-def says(master: CanMaster, fits):
+def states(master: CanMaster, least: int) -> list:
+    """What the heartbeats of a while say, until there are so many at least."""
+    seen = []
+    master.tap.forget()
+
+    def come() -> bool:
+        seen.extend(heard(master))
+        return len(seen) >= least
+
+    time.sleep(0.2)
+    eventually(come)
+    return seen
+
+
+def says(master: CanMaster, fits, least: int):
     """What its heartbeats say fits. A frame that was under way when a fault came or went may be among the first
     ones; those after them have to fit."""
-    if not fits(states(master)):
-        seen = states(master)
+    if not fits(states(master, least)):
+        seen = states(master, least)
         assert fits(seen), seen
 
 
 def says_only(master: CanMaster, *expected: int):
-    says(master, lambda seen: set(seen) == set(expected))
+    says(master, lambda seen: set(seen) == set(expected), 4 * len(expected))
 
 
 def with_heartbeats(master: CanMaster):
@@ -155,27 +167,27 @@ def can_damage(target):
     master = target.master
     with_heartbeats(master)
     yield
-    says(master, lambda seen: len(seen) >= 4 and all(
-        (state ^ PRE_OPERATIONAL).bit_count() == 1 for state in seen))
+    says(master, lambda seen: all((state ^ PRE_OPERATIONAL).bit_count() == 1 for state in seen), 4)
     yield
     says_only(master, PRE_OPERATIONAL)
 
 
-def answers_to_one_request(master: CanMaster) -> list:
+def answers_to_one_request(master: CanMaster, count: int) -> list:
+    """So many, and what follows them."""
     master.tap.forget()
     master.send(0x600 + NODE_ID, bytes.fromhex("4000100000000000"))
-    first = master.tap.data(0x580 + NODE_ID)
+    answers = [master.tap.data(0x580 + NODE_ID) for _ in range(count)]
     time.sleep(0.1)
-    return [first, *master.tap.so_far(0x580 + NODE_ID)]
+    return [*answers, *master.tap.so_far(0x580 + NODE_ID)]
 
 
 def can_duplicate(target):
     master = target.master
-    (good,) = answers_to_one_request(master)
+    (good,) = answers_to_one_request(master, 1)
     yield
-    assert answers_to_one_request(master) == [good, good]
+    assert answers_to_one_request(master, 2) == [good, good]
     yield
-    assert answers_to_one_request(master) == [good]
+    assert answers_to_one_request(master, 1) == [good]
 
 
 def can_bus_off(target):
