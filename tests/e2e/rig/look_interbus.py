@@ -2,7 +2,7 @@
 """What a master behind the coupler sees of each fault: OCD INTERBUS manual, chapters 2, 3.3, 9."""
 import time
 
-from bench import Coupler, eventually
+from bench import PATIENCE_S, Coupler, eventually
 from looks import Target, power_cycle, stays
 
 POSITION_90DEG = 4096 // 4
@@ -93,12 +93,14 @@ def interbus_tear(target):
     seen = set()
 
     def jump():
-        """Back and forth; what shows up in between."""
+        """Back and forth; what shows up in between. It has arrived then, however busy the machine is."""
         for steps in (first, second):
             target.scpi.do(f"SHAF:POS {(steps + 0.5) / 4096} REV")
-            end = time.monotonic() + 0.03
-            while time.monotonic() < end:
-                seen.add(position(target))
+            begin, at = time.monotonic(), None
+            while at != steps or time.monotonic() < begin + 0.03:
+                assert time.monotonic() < begin + PATIENCE_S, (at, steps)
+                at = position(target)
+                seen.add(at)
 
     jump()
     seen.clear()
