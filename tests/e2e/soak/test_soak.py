@@ -33,6 +33,7 @@ GROWS_KIB = {"RssAnon": 16, "VmRSS": 256}
 ROUND_S = 0.4
 STARTS_S = 0.3  # an encoder whose power is back: 0.1 s on RS485, and a busy machine
 SILENT_S = 1.0  # longer than a machine stands still
+NOTICED_S = 5.0  # that a client has gone, on a busy machine
 STEP_S = 0.05  # between the requests of a master in here: 20 a second
 RIG = """
 [shaft main]
@@ -200,11 +201,15 @@ class Sample(NamedTuple):
     descriptors: int
 
 
+def descriptors_of(pid: int) -> int:
+    return len(list(Path(f"/proc/{pid}/fd").iterdir()))
+
+
 def sample(pid: int) -> Sample:
     process = Path(f"/proc/{pid}")
     text = (process / "status").read_text()
     memory = {name: int(re.search(rf"^{name}:\s+(\d+) kB", text, re.M)[1]) for name in GROWS_KIB}
-    return Sample(time.monotonic(), memory, len(list((process / "fd").iterdir())))
+    return Sample(time.monotonic(), memory, descriptors_of(pid))
 
 
 def one_round(rig, folder: Path, number: int) -> tuple[str, Span]:
@@ -213,6 +218,7 @@ def one_round(rig, folder: Path, number: int) -> tuple[str, Span]:
     name, fault = DEFECTS[number % len(DEFECTS)]
     traced, ending = TRACES[number % len(TRACES)]
     encoder = rig.encoders[name]
+    had = descriptors_of(rig.pid)
     rig.encoders[traced].ask(f'TRAC:STAR "{folder}/trace{number}.{ending}"')
     encoder.ask(f'SHAF:REC:STAR "{folder}/recording.csv"')
     begin = time.monotonic()
@@ -233,7 +239,10 @@ def one_round(rig, folder: Path, number: int) -> tuple[str, Span]:
     encoder.ask("SHAF:REC:STOP")
     rig.encoders[traced].ask("TRAC:STOP")
     (folder / f"trace{number}.{ending}").unlink()
-    time.sleep(ROUND_S / 2)  # whoever has gone is noticed
+    time.sleep(ROUND_S / 2)
+    end = time.monotonic() + NOTICED_S
+    while descriptors_of(rig.pid) != had and time.monotonic() < end:  # until it is noticed who has gone
+        time.sleep(0.01)
     return name, bent
 
 
