@@ -159,6 +159,18 @@ def test_what_a_simulation_does_not_carry(arguments, status, said):
     assert refused(*arguments, status=status) == f"drehgeber: {said}"
 
 
+def participants(process) -> list:
+    """What the library has in /tmp of a `drehgeber verify` that has joined."""
+    return list(Path("/tmp").glob(f"verify-{process.pid}-*.silkit"))
+
+
+def wait_for_participant(process):
+    end = time.monotonic() + PATIENCE_S
+    while not participants(process):
+        assert time.monotonic() < end and process.poll() is None, "it does not join"
+        time.sleep(0.01)
+
+
 def one_line(registry, *arguments):
     return subprocess.run(command(registry, "f3668", *arguments), stdin=subprocess.DEVNULL, capture_output=True, text=True,
                           timeout=LIMIT_S, env=WITH_LIBRARY)
@@ -212,6 +224,7 @@ def test_an_encoder_that_goes_ends_it(registry, bench, tmp_path, number, said):
         program = bench("f3668")
         process = subprocess.Popen(command(registry, "f3668", "--alone", "--write", "--journal", tmp_path / "journal"), text=True,
                                    stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=WITH_LIBRARY)
+        wait_for_participant(process)
         time.sleep(1.0)  # of the four seconds that it takes
         program.process.send_signal(number)
         out, errors = process.communicate(timeout=PATIENCE_S)
@@ -226,9 +239,9 @@ def test_a_signal_leaves_nothing_behind(registry, bench):
     program = bench("f3668", how="real")
     process = subprocess.Popen(command(registry, "f3668", "--alone", "--set", "time=real", CLAUSE["f3668"]),
                                stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=WITH_LIBRARY)
-    time.sleep(1.5)
-    assert list(Path("/tmp").glob(f"verify-{process.pid}-*.silkit")) != []
+    wait_for_participant(process)
+    time.sleep(1.0)
     process.send_signal(signal.SIGTERM)
     assert process.communicate(timeout=PATIENCE_S) == (b"", b"") and process.returncode == -signal.SIGTERM
-    assert list(Path("/tmp").glob(f"verify-{process.pid}-*.silkit")) == []
+    assert participants(process) == []
     assert program.end() == 0
