@@ -12,7 +12,7 @@ import pytest
 import serial
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
-from rig import PROGRAM, Client, Rigs, run, run_refused  # noqa: E402
+from rig import PATIENCE_S, PROGRAM, Client, Rigs, run, run_refused  # noqa: E402
 from test_top import Panel  # noqa: E402
 from vcd import signals_of  # noqa: E402
 
@@ -61,7 +61,8 @@ def rig(rigs):
     return rigs.begin(MIXED.format(trace=""))
 
 
-def ask(path, request: bytes, baud: int = BAUD, parity: str = "N", count: int = 11, timeout: float = 2) -> bytes:
+def ask(path, request: bytes, baud: int = BAUD, parity: str = "N", count: int = 11,
+        timeout: float = PATIENCE_S) -> bytes:
     with serial.Serial(str(path), baud, parity=parity, timeout=timeout) as port:
         time.sleep(0.02)  # silence, which ends what an S36 has heard so far
         port.write(request)
@@ -134,6 +135,9 @@ def test_each_answers_its_own_requests(rig, tmp_path):
     assert ask(line, S36_REQUEST, 9600, "E", 7) == S36_QUARTER
     assert ask(line, b"\x8a", timeout=0.1) == b""
     client = rig.client()
+    deadline = time.monotonic() + PATIENCE_S
+    while int(state(client, "other")["strange"]) < 1 + 11 + 1:  # nobody has answered the last one, heard or not
+        assert time.monotonic() < deadline
     one, other, s36 = (state(client, name) for name in ("one", "other", "s36"))
     assert (one["frames"], other["frames"]) == ("1", "1")
     assert int(one["damaged"]) >= len(S36_REQUEST + S36_QUARTER)  # what the S36 and its master have said
@@ -239,7 +243,7 @@ def test_a_wire_that_nobody_has_heard_of(rigs):
     ready = re.fullmatch(r"ready f3668 udp:127\.0\.0\.1:(\d+)/5 \S+", ours.ready_line)
     assert ready, ours.ready_line
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as line:
-        line.settimeout(2)
+        line.settimeout(PATIENCE_S)
         line.connect(("127.0.0.1", int(ready[1])))
         for node in (5, 6):
             line.send(bytes([0x06, node, 8]) + bytes.fromhex("4004600000000000"))
