@@ -6,8 +6,10 @@ import time
 import can
 import pytest
 import serial
-from can_rig import (PATIENCE_S, SAVE, Client, assert_one_line, assert_takes, free_port, open_bus,
-                     state_of, wait_for_leds)
+from can_rig import (PATIENCE_S, SAVE, Client, assert_one_line, assert_takes, open_bus, state_of,
+                     wait_for_leds)
+
+ANYWHERE = "tcp:127.0.0.1:0"  # at a port that nobody else has
 
 
 @pytest.fixture
@@ -15,6 +17,11 @@ def adapter(start):
     """The pty without a client, its channel closed."""
     with serial.Serial(start(client=False).link, 115200, timeout=PATIENCE_S) as port:
         yield port
+
+
+def control_of(rig) -> Client:
+    """Where its second line says."""
+    return Client(rig.encoder.out.wait().removeprefix("control "))
 
 
 def ask(port, command: bytes) -> bytes:
@@ -97,9 +104,8 @@ def test_bit_rate_of_lss(start):
 
 def test_leds_show_the_channel(start):
     """A closed channel, and one at another bit rate, are no bus to the encoder."""
-    port = free_port()
-    rig = start("--control", f"tcp:127.0.0.1:{port}", client=False)
-    with Client(port) as control, serial.Serial(rig.link, timeout=PATIENCE_S) as adapter:
+    rig = start("--control", ANYWHERE, client=False)
+    with control_of(rig) as control, serial.Serial(rig.link, timeout=PATIENCE_S) as adapter:
         wait_for_leds(control, "bus:off/err:blink")
         for rate, leds in [(b"S5", "bus:blink/err:off"), (b"S6", "bus:off/err:off")]:
             assert ask(adapter, rate) + ask(adapter, b"O") == b"\r\r"
@@ -111,9 +117,8 @@ def test_leds_show_the_channel(start):
 
 
 def test_a_can_id_of_two_services_is_said_once(start, nvm):
-    port = free_port()
-    rig = start("--nvm", nvm, "--control", f"tcp:127.0.0.1:{port}", quiet=False)
-    with Client(port) as control:
+    rig = start("--nvm", nvm, "--control", ANYWHERE, quiet=False)
+    with control_of(rig) as control:
         assert state_of(control)["shared_ids"] == "-"
         rig.write(0x1800, 1, 0x800001BF, 4)
         rig.write(0x1800, 1, 0x2BF, 4)
@@ -149,11 +154,10 @@ def busy(start, nvm):
         rig.write(0x2100, 0, 0, 1)
         rig.sdo.download(0x2105, 0, SAVE)
         rig.kill()
-        port = free_port()
-        rig = start("--nvm", nvm, "--control", f"tcp:127.0.0.1:{port}",
+        rig = start("--nvm", nvm, "--control", ANYWHERE,
                     *[word for setting in settings for word in ("--set", setting)],
                     bit_rate=SLOW_BIT_RATE, quiet=False)
-        controls.append(Client(port))
+        controls.append(control_of(rig))
         assert state_of(controls[-1])["wire_kbaud"] == "10"
         rig.write(0x1800, 5, 1, 2)
         rig.start()
