@@ -85,7 +85,7 @@ def test_in_real_time_a_reply_arrives_by_itself():
 
 
 def test_real_time_takes_its_time():
-    with open_port(URL + "&time=real") as port:
+    with open_port(URL + "&time=real", timeout=5) as port:
         begin = time.monotonic()
         port.write(ASK)
         assert port.read(7) == AT_90
