@@ -32,8 +32,9 @@ ELSEWHERE = "tests/gates/coverage/elsewhere"
 def measure(tree, build, what):
     """file: (lines, covered lines, branches, covered branches)"""
     filters = [word for folder in FLOORS[what] for word in ("--filter", os.path.join(tree, folder))]
-    # Threads that count the same branch lose some of it, and gcov takes one count from another: one below zero is not read.
-    # Counters that lose nothing make src/ six times slower.
+    # Two threads that count the same branch lose some counts. gcov takes one count from another, and gcovr does not
+    # read what is below zero: it leaves such a line out. Counters that lose nothing make the tests of src/ six times
+    # slower.
     last = ["--gcov-ignore-parse-errors"] + (["--delete"] if what == "ports" else [])
     command = ["gcovr", "--root", tree, *filters, "--object-directory", build, *last, "--json-summary", "-", build]
     said = json.loads(subprocess.check_output(command, text=True))

@@ -62,8 +62,8 @@ class Watch:
     def __init__(self, rig):
         self._rig = rig
         spokesmen = {(encoder.wire, encoder.address): encoder.name for encoder in rig.encoders.values()}
-        # A request each: in an emulated machine the answer for all of them takes the rig more than the 10 ms that its
-        # own calls may take.
+        # A request each: in an emulated machine one answer for all of them may take the rig more than the 10 ms that
+        # its own calls may take, and the rig counts such a call as a delay on every wire.
         self._questions = [f"INST:SEL {name};:STAT?" for name in spokesmen.values()]
         # A stall makes each encoder of an RS485 line or another wire miss one, and each wire one more.
         self.most = sum(encoder.wire == "pty" for encoder in rig.encoders.values()) + 2 * len(spokesmen)
