@@ -4,6 +4,7 @@
 
 #include <arpa/inet.h>
 #include <linux/sockios.h>
+#include <netinet/tcp.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -139,6 +140,8 @@ void virtual_rig_connect(struct virtual_rig *self)
         .sin_addr.s_addr = htonl(INADDR_LOOPBACK),
     };
     self->line = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    /* What it says does not wait for the receipt of what it has said before. */
+    (void)setsockopt(self->line, IPPROTO_TCP, TCP_NODELAY, &(int){1}, sizeof(int));
     if (connect(self->line, (const struct sockaddr *)&to, sizeof to) != 0) {
         give_up("cannot connect", address);
     }
