@@ -9,6 +9,8 @@
 
 /* Steps in between at most, before an operation. */
 #define STEPS_MAX 3u
+/* Of so many looks one is at everything: texts and whole states take a hundred times as long as the rest. */
+#define WHOLE_LOOKS 8u
 
 static uint8_t state[HOST_RIG_MEMORY_MAX];
 
@@ -21,6 +23,22 @@ uint32_t player_draw(struct player *self)
     return self->chance;
 }
 
+static void look_at_texts_and_state(struct player *self)
+{
+    const struct dg_host *host = self->host;
+    struct dg_host_fault fault;
+    struct dg_host_key key;
+    char value[64];
+
+    for (size_t i = 0; dg_host_key(host, i, &key) == DG_HOST_OK; i++) {
+        (void)dg_host_get(host, key.name, value, sizeof value);
+    }
+    for (size_t i = 0; self->panel != NULL && dg_host_fault(self->panel, i, &fault) == 0; i++) {
+    }
+    (void)dg_host_memory_copy(host, state, sizeof state);
+    (void)dg_host_save(self->host, state, sizeof state);
+}
+
 /* Everything in host.h that is a look, at moments in the past and in the future, too. */
 static void look_around(struct player *self)
 {
@@ -30,9 +48,6 @@ static void look_around(struct player *self)
     uint64_t counts[2];
     int32_t uv[4];
     struct dg_host_uart uart;
-    struct dg_host_fault fault;
-    struct dg_host_key key;
-    char value[64];
 
     (void)dg_host_position(host, at, counts);
     (void)dg_host_positions(host, at, 1000, counts, 2);
@@ -46,13 +61,9 @@ static void look_around(struct player *self)
     (void)dg_host_angle(host, at);
     (void)dg_host_next(host);
     (void)dg_host_lost(host);
-    for (size_t i = 0; dg_host_key(host, i, &key) == DG_HOST_OK; i++) {
-        (void)dg_host_get(host, key.name, value, sizeof value);
+    if (player_draw(self) % WHOLE_LOOKS == 0) {
+        look_at_texts_and_state(self);
     }
-    for (size_t i = 0; self->panel != NULL && dg_host_fault(self->panel, i, &fault) == 0; i++) {
-    }
-    (void)dg_host_memory_copy(host, state, sizeof state);
-    (void)dg_host_save(self->host, state, sizeof state);
 }
 
 void player_go_on_elsewhere(struct player *self)
