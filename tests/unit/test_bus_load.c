@@ -82,7 +82,7 @@ static void loads_that_are_none(void **state)
     dg_bus_load_begin(&load, T0, 5000);
     assert_false(dg_bus_load_close(&load, T0 + DG_S(1), 9000, 0)); /* no bit rate */
     assert_int_equal(load.permille, 0);
-    assert_false(dg_bus_load_close(&load, T0 + DG_S(2), 10, 10000)); /* another interface */
+    assert_false(dg_bus_load_close(&load, T0 + DG_S(2), 10, 100)); /* another interface */
     assert_int_equal(load.permille, 0);
     assert_false(dg_bus_load_close(&load, T0 + DG_S(3), 1010, 10000));
     assert_int_equal(load.permille, 100);

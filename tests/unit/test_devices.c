@@ -30,6 +30,7 @@ static void models_are_listed_in_order(void **state)
         assert_string_equal(device->resolution, row->resolution);
         assert_int_equal(device->stack->senses_multiturn(device->model), row->senses_multiturn);
         assert_int_equal(device->stack->layout(device->model) != NULL, row->has_memory);
+        assert_int_equal(device->more, 0); /* only one of a file has something behind it */
         assert_ptr_equal(dg_device_find(row->name), device);
     }
     assert_null(dg_device_find("s3674"));

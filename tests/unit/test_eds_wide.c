@@ -127,6 +127,8 @@ static void the_position_has_64_bits(void **state)
     ask("1D 00 00 00" ZEROS, "30 00 00 00" ZEROS);
     assert_int_equal(co_rig_get(&rig.co, 0x6004, 0), 0x1234);
     assert_int_equal(co_rig_get(&rig.co, 0x6003, 0), 0x1234);
+    ask("40 12 21 00", "41 12 21 00 07 00 00 00"); /* a shorter one before it */
+    ask("60", "01 00 00 00" ZEROS);
     ask("40 08 60 00", "41 08 60 00 08 00 00 00");
     ask("60", "00 34 12 00 00 00 00 00");
     ask("70", "1D 00 00 00" ZEROS);

@@ -117,6 +117,8 @@ static void faults_bend_the_world_so_far(void **state)
         {"s3684-rs485", "cos_offset", "cos_offset_permille", 500},
         {"s3684-biss", "sin_offset", "sin_offset_permille", 500},
         {"s3684-biss", "cos_offset", "cos_offset_permille", 500},
+        {"s3684-biss", "sin_amplitude_low", "sin_amplitude_permille", 500},
+        {"s3684-biss", "cos_amplitude_low", "cos_amplitude_permille", 500},
         {"ssi-28", "sin_offset", "sin_offset_permille", 500},
         {"ssi-28", "cos_offset", "cos_offset_permille", 500},
     };

@@ -92,6 +92,16 @@ static void settings_are_kept_in_range(void **state)
     told(&self, TEXT("\xFF\xFA\x2C\x05\x04\xFF\xF0"), TEXT("\xFF\xFA\x2C\x69\x06\xFF\xF0"));
 }
 
+/* Masks of the line and of the modem, and what to throw away: acknowledged as they are. */
+static void what_needs_nothing_is_acknowledged(void **state)
+{
+    struct dg_rfc2217 self = {.baud = 0};
+    (void)state;
+    told(&self, TEXT("\xFF\xFA\x2C\x0A\x0E\xFF\xF0"), TEXT("\xFF\xFA\x2C\x6E\x0E\xFF\xF0"));
+    told(&self, TEXT("\xFF\xFA\x2C\x0B\x0F\xFF\xF0"), TEXT("\xFF\xFA\x2C\x6F\x0F\xFF\xF0"));
+    told(&self, TEXT("\xFF\xFA\x2C\x0C\x03\xFF\xF0"), TEXT("\xFF\xFA\x2C\x70\x03\xFF\xF0"));
+}
+
 static void what_is_no_command_is_nothing(void **state)
 {
     struct dg_rfc2217 self = {.baud = 0};
@@ -201,6 +211,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(options_are_agreed_to_once),
         cmocka_unit_test(settings_are_kept_in_range),
+        cmocka_unit_test(what_needs_nothing_is_acknowledged),
         cmocka_unit_test(what_is_no_command_is_nothing),
         cmocka_unit_test(characters_and_breaks),
         cmocka_unit_test(characters_are_told_with_what_was_wrong),

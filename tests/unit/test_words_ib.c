@@ -47,6 +47,10 @@ static void words_that_changed(void **state)
     assert_int_equal(rig.severity, NOTICE);
     dg_words_event(&rig.wire, &event);
     assert_int_equal(rig.count, 4);
+    in[0] = 2;
+    event.kind = DG_TAP_LEVELS;
+    dg_words_event(&rig.wire, &event);
+    assert_int_equal(rig.count, 4);
 }
 
 /* clang-format off */
