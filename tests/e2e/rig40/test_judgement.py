@@ -22,16 +22,17 @@ ROWS = [
     ([0, 5, 0, 0], [0.12], 3, ""),
     ([0, 0, 2, 0], [0.17], 2, ""),  # the aftermath is in the next one
     ([0, 9, 0, 0], [0.11, 0.13], 3, ""),
-    ([0, 0, 0, 1], [0.12], 3, "1 deadlines missed while the machine kept time: 1 at 0.30"),
-    ([1, 1, 0, 3], [0.12], 3, "4 deadlines missed while the machine kept time: 1 at 0.00, 3 at 0.30"),
+    ([1, 1, 0, 3], [0.12], 3, ""),  # slow rounds, and
+    ([1, 1, 1, 3], [], 4, "6 deadlines missed while the machine kept time: 1 at 0.00, 1 at 0.10, 1 at 0.20, 3 at 0.30"),
+    ([0, 0, 0, 6], [0.12], 3, "6 deadlines missed more than the machine's stalls explain: 6 at 0.30"),
     ([0, 6, 0, 0], [0.12], 3, "6 deadlines missed more than the machine's stalls explain: 6 at 0.10"),
-    ([1, 0, 0, 0], [0.12, 0.22, 0.32], 1, "1 deadlines missed while the machine kept time: 1 at 0.00"),
+    ([6, 0, 0, 0], [0.12, 0.22, 0.32], 1, "6 deadlines missed more than the machine's stalls explain: 6 at 0.00"),
     ([5, 5, 5, 5], [0.02, 0.12, 0.22, 0.32], 0, ""),
     ([5, 5, 6, 5], [0.02, 0.12, 0.22, 0.32], 0, "6 deadlines missed more than the machine's stalls explain: 6 at 0.20"),
     ([0, 0, 5, 0], [(0.11, 0.15)], 2, ""),  # what is held up by a long one takes long
-    ([0, 0, 5, 1], [(0.11, 0.15)], 2, "1 deadlines missed while the machine kept time: 1 at 0.30"),
+    ([0, 0, 5, 6], [(0.11, 0.15)], 2, "6 deadlines missed more than the machine's stalls explain: 6 at 0.30"),
     ([0, 0, 0, 5], [(0.01, 0.11), 0.12], 0, ""),  # a short one does not shorten it
-    ([1, 0, 0, 0], [-0.06, 0.4], 4, "1 deadlines missed while the machine kept time: 1 at 0.00"),
+    ([6, 0, 0, 0], [-0.06, 0.4], 4, "6 deadlines missed more than the machine's stalls explain: 6 at 0.00"),
 ]
 
 
