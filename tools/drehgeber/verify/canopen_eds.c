@@ -11,13 +11,13 @@ static const char *find_value(char *text, const char *section, const char *key)
     char head[64];
     char line[64];
 
-    (void)snprintf(head, sizeof head, "\n[%s]\r\n", section);
+    (void)snprintf(head, sizeof head, "\n[%s]\r", section);
     (void)snprintf(line, sizeof line, "\n%s=", key);
     char *at = strstr(text, head);
     if (at == NULL) {
         return NULL;
     }
-    at += strlen(head) - 1;
+    at += strlen(head);
     char *end = strstr(at, "\n[");
     if (end != NULL) {
         *end = '\0';
