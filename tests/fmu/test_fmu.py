@@ -609,6 +609,18 @@ def test_rig(make: Make, tmp_path: pathlib.Path) -> None:
     slave.close()
 
 
+def test_nodes_of_the_command_line(make: Make) -> None:
+    """On one shaft and one bus; a serial number counts up, and is the encoder's own where none is said."""
+    for words in ((), ("--serial", "100")):
+        slave = Slave(make("f3668", "--node", "1..3", *words), f3668_1__shaft__speed=SPEED)
+        slave.step(0.5)
+        booted = frames(slave.fetch("bus.CanChannel"))
+        assert [one for one in booted if one[0] > 0x700] == [(0x701, b"\0"), (0x702, b"\0"), (0x703, b"\0")]
+        for node in (1, 2, 3):
+            assert slave.get(f"f3668_{node}.position") / 65536 == pytest.approx(25, abs=1e-4)
+        slave.close()
+
+
 def test_what_a_rig_file_says_for_others_is_named(tmp_path: pathlib.Path) -> None:
     """In one line, each word once."""
     file = tmp_path / "axis.ini"

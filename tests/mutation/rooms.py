@@ -116,6 +116,7 @@ JUDGES = {
     "tools/drehgeber/wire_session": [r"e2e\.cli_said", r"e2e\.(biss_settings|biss|ssi|interbus)",
                                      r"e2e\.(ctl|watch|commands)"],
     "tools/drehgeber/rig_link": [r"unit\.top_client", r"e2e\.(ctl|watch|top|access)"],
+    "tools/drehgeber/fmu_bundle": [r"e2e\.cli_said", r"e2e\.fmu/", r"e2e\.fmu-rebuild"],
     "tools/drehgeber/fmu_file": [r"e2e\.cli_said", r"e2e\.fmu/", r"e2e\.fmu-rebuild"],
     "tools/drehgeber/zip": [r"e2e\.fmu/"],
     "tools/drehgeber/top": [r"unit\.top_client", r"e2e\.top_screens", r"e2e\.top"],
