@@ -274,6 +274,7 @@ def test_nodes_that_there_are_not(node):
 class Telnet(threading.Thread):
     """A serial port behind telnet, which offers and wants more than the command knows."""
     OFFERS = b"\xff\xfb\x01\xff\xfd\x18\xff\xfd\x2c\xff\xfa\x2c\x6b\xff\xff\xff\xf0"  # echo, terminal type; COM port; a modem state
+    LEFT = b"\x40\x42\x00\x01" * 200  # what others have asked for: more than is read at once
 
     def __init__(self, port: int):
         super().__init__(daemon=True)
@@ -286,7 +287,7 @@ class Telnet(threading.Thread):
         with contextlib.suppress(OSError), self.listener.accept()[0] as near, self.far as far:
             for wire in near, far:
                 wire.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-            near.sendall(self.OFFERS)
+            near.sendall(self.OFFERS + self.LEFT)
             while ready := select.select([near, far], [], [], LIMIT_S)[0]:
                 for wire in ready:
                     data = wire.recv(4096)
@@ -297,7 +298,8 @@ class Telnet(threading.Thread):
 
 
 def test_a_serial_port_behind_telnet():
-    """It is told the setting, FFh is doubled both ways, and what it offers beside that is declined."""
+    """It is told the setting, FFh is doubled both ways, what it offers beside that is declined, and what is left over of
+    others is no answer."""
     port = free_port()
     encoder = Encoder(["s3684-rs485", f"--rs485=rfc2217:127.0.0.1:{port}", "--shaft", "359.997DEG", "--set", "pace=0"])
     telnet = Telnet(port)
@@ -305,6 +307,7 @@ def test_a_serial_port_behind_telnet():
     ended = run("verify", "s3684-rs485", telnet.where, "5.1.2.1-", "5.1.2.14-6")
     telnet.join(LIMIT_S)
     assert encoder.clean_up() == []
+    assert ended.stdout.startswith("s3684-rs485: type code 27h, firmware v1.0.8, 12072019\n"), ended
     assert ended.returncode == 0 and "agrees   5.1.2.14-6" in ended.stdout and ", 0 differ, " in ended.stdout, ended
     assert b"\xff\xfa\x2c\x01\0\0\x25\x80\xff\xf0" in telnet.sent and b"\xff\xfa\x2c\x03\x03\xff\xf0" in telnet.sent
     assert b"\xff\xfe\x01" in telnet.sent and b"\xff\xfc\x18" in telnet.sent and b"\xff\xfc\x2c" not in telnet.sent
