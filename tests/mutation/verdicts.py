@@ -73,9 +73,8 @@ class Log:
 
 
 def upper_bound(killed, count):
-    """Percent that are killed of all mutants at the most, given a sample: Wilson's bound of 99.9 %. Four rooms have new
-    samples each day: of 95 % chance would be below it every week."""
-    z = 3.09
+    """Percent that are killed of all mutants at the most, given a sample: Wilson's bound of 95 %."""
+    z = 1.645
     share, spread = killed / count, z * z / count
     return 100 * (share + spread / 2 + math.sqrt(share * (1 - share) * spread + spread * spread / 4)) / (1 + spread)
 
