@@ -9,7 +9,7 @@
 
 /* Steps in between at most, before an operation. */
 #define STEPS_MAX 3u
-/* Of so many looks one is at everything: texts and whole states take a hundred times as long as the rest. */
+/* One look in so many is at everything: texts and whole states take nearly all of the time. */
 #define WHOLE_LOOKS 8u
 
 static uint8_t state[HOST_RIG_MEMORY_MAX];

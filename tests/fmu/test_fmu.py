@@ -610,7 +610,7 @@ def test_rig(make: Make, tmp_path: pathlib.Path) -> None:
 
 
 def test_nodes_of_the_command_line(make: Make) -> None:
-    """On one shaft and one bus; a serial number counts up, and is the encoder's own where none is said."""
+    """They share a shaft and a bus, with a serial number on the command line and without one."""
     for words in ((), ("--serial", "100")):
         slave = Slave(make("f3668", "--node", "1..3", *words), f3668_1__shaft__speed=SPEED)
         slave.step(0.5)

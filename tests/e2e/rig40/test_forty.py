@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
 """The example rig of forty encoders for a minute: masters on every wire check every position, defects
-come and go on each of them, and no deadline is missed.
+come and go on each of them, and no deadline is missed but in a few slow rounds of the loop.
 
 A machine that stands still, as an emulated or a shared one does now and then, misses deadlines for
 everybody. A referee with nothing but a clock says when that was. Tenths of a second with such a stall
