@@ -166,7 +166,7 @@ def main():
         write(found, to[0])
     touched = {stranger: sorted({file for file, *_ in rows}) for stranger, rows in ROWS.items()}
     for stranger, files in touched.items():
-        print(f"figure: {stranger} touches {len(files)} existing files: {' '.join(files)}")
+        print(f"figure: adding {APART}/{stranger} touches {len(files)} existing files: {' '.join(files)}")
     lines = sum(line.strip() != "" for line in (tree / APART / BOARD).read_text("utf-8").splitlines())
     print(f"figure: a board is {lines} lines")
     sys.exit(lines > BOARD_MOST or any(len(files) > MOST[stranger] for stranger, files in touched.items()))

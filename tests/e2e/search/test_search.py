@@ -53,10 +53,10 @@ QUESTIONS = [
 ]
 
 
-# How many questions the page's search has not answered yet. It asks with every letter, and every answer draws the list anew:
-# a link that is clicked on then may be another one when the button comes up, and nothing is opened.
+# Counts the questions that the worker of the search has not answered yet. The page asks it with every letter, and draws the
+# list anew with every answer: when that happens while the mouse button is down, the browser opens nothing.
 COUNT = """{
-    const [QUERY, RESULT] = [2, 3];
+    const [QUERY, RESULT] = [2, 3];  // types of messages in Material for MkDocs
     window.unanswered = 0;
     window.Worker = class extends Worker {
         constructor(...given) {
@@ -217,11 +217,11 @@ def test_the_switch_leads_to_the_other_version_and_back(browser, folder, tmp_pat
     for version in ("0.3.0", "1.0.0"):
         shutil.copytree(folder, tmp_path / version)
     subprocess.run([TREE / "tools/site/versions", tmp_path], check=True, timeout=MINUTE_S)
-    with served(tmp_path) as address, browser.new_page() as page:
+    with served(tmp_path) as address, opened(browser) as page:
         page.goto(f"{address}/1.0.0/docs/rigs.html")
         for version in ("0.3.0", "1.0.0"):
-            page.hover(".md-version", timeout=WAIT_MS)
+            page.hover(".md-version")
             assert page.locator(".md-version__link").all_text_contents() == ["1.0.0", "0.3.0"]
-            page.click(f".md-version__link:text-is('{version}')", timeout=WAIT_MS)
-            page.wait_for_url(f"{address}/{version}/**", timeout=WAIT_MS)
-            assert page.inner_text(".md-version__current", timeout=WAIT_MS) == version
+            page.click(f".md-version__link:text-is('{version}')")
+            page.wait_for_url(f"{address}/{version}/**")
+            assert page.inner_text(".md-version__current") == version
